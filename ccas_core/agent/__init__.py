@@ -1,0 +1,1 @@
+"""A ship as an agent: its knowledge, its messages, its decision; no coordinator, no shared memory."""

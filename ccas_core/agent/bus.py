@@ -1,0 +1,76 @@
+"""An in-process bus: every message goes to every other ship, in the same order in every run.
+
+Loss and delay are seeded: the fate of a message depends on the seed, the sender, the receiver
+and the sender's count of messages, and on nothing else.
+"""
+
+from __future__ import annotations
+
+import heapq
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..ships import ShipId
+from .messages import Message
+
+
+@dataclass(slots=True)
+class Bus:
+    """Carries messages in simulated time.
+
+    Parameters
+    ----------
+    loss
+        Probability that a message does not reach a receiver, in [0, 1).
+    delay
+        Greatest delay [s]; each is drawn uniformly.
+    seed
+        Seed of the fates.
+    """
+
+    loss: float = 0.0
+    delay: float = 0.0
+    seed: int = 0
+    _members: list[ShipId] = field(default_factory=list, init=False)
+    _queue: list[tuple[float, int, ShipId, Message]] = field(default_factory=list, init=False)
+    _sent: int = field(default=0, init=False)
+    _counts: dict[ShipId, int] = field(default_factory=dict, init=False)
+
+    def join(self, members: Iterable[ShipId]) -> None:
+        """Say who is on the bus from now on; messages to others are dropped."""
+        self._members = sorted(members)
+
+    def post(self, now: float, message: Message) -> None:
+        """Send a message to all others."""
+        count = self._counts.get(message.sender, 0)
+        self._counts[message.sender] = count + 1
+        for receiver in self._members:
+            if receiver == message.sender:
+                continue
+            lost, delay = self._fate(message.sender, receiver, count)
+            if not lost:
+                heapq.heappush(self._queue, (now + delay, self._sent, receiver, message))
+                self._sent += 1
+
+    def collect(self, now: float) -> dict[ShipId, list[Message]]:
+        """Take what has arrived by now, by receiver, in order of arrival."""
+        arrived: dict[ShipId, list[Message]] = {}
+        while self._queue and self._queue[0][0] <= now:
+            _, _, receiver, message = heapq.heappop(self._queue)
+            if receiver in self._members:
+                arrived.setdefault(receiver, []).append(message)
+        return arrived
+
+    def next_arrival(self) -> float | None:
+        """Time of the next arrival [s]; None if nothing is on its way."""
+        return self._queue[0][0] if self._queue else None
+
+    def _fate(self, sender: ShipId, receiver: ShipId, count: int) -> tuple[bool, float]:
+        if self.loss == 0.0 and self.delay == 0.0:
+            return False, 0.0
+        entropy = [self.seed, zlib.crc32(sender.encode()), zlib.crc32(receiver.encode()), count]
+        chance, wait = np.random.default_rng(entropy).random(2)
+        return bool(chance < self.loss), float(wait) * self.delay

@@ -1,0 +1,78 @@
+"""Driver of one control period: passes messages, wakes ships, solves what they ask for.
+
+The driver knows no rule and takes no decision.  In each round all ships that have something to do take
+a step, each on what had arrived when the round began; then their problems are solved, and their
+messages are sent.  Simulated time moves on only when nothing is left to do now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..dmpc.local_problem import Solution
+from ..dmpc.solvers import AbstractLocalSolver
+from ..ships import ShipId
+from .bus import Bus
+from .ship_agent import Decision, Event, Request, Sensed, ShipAgent, Solved
+
+Solve = Callable[[Request], Solution]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PeriodLog:
+    """What all ships decided in a period, and in which order."""
+
+    decisions: Mapping[ShipId, Decision]
+    generations: tuple[tuple[ShipId, ...], ...]
+
+
+def run_period(
+    agents: Mapping[ShipId, ShipAgent],
+    bus: Bus,
+    solver: AbstractLocalSolver,
+    sensed: Mapping[ShipId, Sensed],
+    now: float,
+) -> PeriodLog:
+    """Let all ships decide once.
+
+    Every agent is to have a decision before its deadline; that is checked, not assumed.
+    """
+    bus.join(agents)
+    inboxes: dict[ShipId, list[Event]] = {ship: [reading] for ship, reading in sensed.items()}
+    wake: dict[ShipId, float] = dict.fromkeys(sensed, now)
+    decisions: dict[ShipId, Decision] = {}
+    generations: list[tuple[ShipId, ...]] = []
+    while len(decisions) < len(agents):
+        for ship, messages in bus.collect(now).items():
+            inboxes.setdefault(ship, []).extend(messages)
+        awake = sorted(ship for ship in agents if inboxes.get(ship) or wake.get(ship, now + 1.0) <= now)
+        if not awake:
+            now = _next_time(bus, wake)
+            continue
+        steps = {ship: agents[ship].step(now, inboxes.pop(ship, [])) for ship in awake}
+        for ship, step in steps.items():
+            wake.pop(ship, None)
+            if step.wake_at is not None:
+                wake[ship] = step.wake_at
+            for message in step.outbox:
+                bus.post(now, message)
+            if step.request is not None:
+                problem = step.request.problem
+                inboxes[ship] = [Solved(problem, solver.best(problem, step.request.guesses))]
+        decided = {ship: step.decision for ship, step in steps.items() if step.decision is not None}
+        decisions |= decided
+        if decided:
+            generations.append(tuple(sorted(decided)))
+    return PeriodLog(decisions=decisions, generations=tuple(generations))
+
+
+def _next_time(bus: Bus, wake: Mapping[ShipId, float]) -> float:
+    """Time of the next event [s]."""
+    times = [*wake.values()]
+    arrival = bus.next_arrival()
+    if arrival is not None:
+        times.append(arrival)
+    if not times:
+        raise RuntimeError("ships wait for one another, and nobody is to be woken: a fault of the agents")
+    return min(times)

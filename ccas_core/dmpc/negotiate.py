@@ -1,0 +1,229 @@
+"""One ship's part in the negotiation, Algorithm 2: when it may update, on what, and what it then tells.
+
+All are values: a `Negotiation` is carried from one iteration to the next by `advance`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory
+from ..ships import Hull, ShipId
+from . import nadmm
+from .local_problem import LocalPlan, LocalProblem, Solution, shifted
+from .model import rollout
+from .outcome import Outcome
+from .parameters import Settings, Start, Wait
+from .risk import threat
+
+SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Neighbour:
+    """Another ship, or an obstacle, and where it will be."""
+
+    hull: Hull
+    trajectory: NedTrajectory
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a predecessor has come in this period."""
+
+    iteration: int
+    decided: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Situation:
+    """What does not change for a ship during one period's negotiation."""
+
+    hull: Hull
+    frame: PathFrame
+    initial: PathPose
+    last_offset: float  # u^y(t - 1) [m]
+    speed: float  # nominal, U^d [m/s]
+    settings: Settings
+    offset_limits: FloatArray  # (N, 2) [m]
+    last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Negotiation:
+    """Where one ship stands in Algorithm 2."""
+
+    situation: Situation
+    iteration: int
+    iterate: nadmm.Iterate
+    plan: LocalPlan
+    outcomes: tuple[Outcome, ...] = ()
+    seconds: tuple[float, ...] = ()
+    residuals: tuple[float, ...] = ()
+
+    @property
+    def done(self) -> bool:
+        """Whether all iterations are made (steps 16 and 17)."""
+        return self.iteration >= self.situation.settings.iterations
+
+    @property
+    def worst(self) -> Outcome:
+        """The first outcome that was not usable, or that all converged."""
+        return next((outcome for outcome in self.outcomes if not outcome.usable), Outcome.CONVERGED)
+
+    @property
+    def usable(self) -> bool:
+        """Whether at least one update gave a plan that may be sailed."""
+        return any(outcome.usable for outcome in self.outcomes)
+
+    def told(self) -> NedTrajectory:
+        """Trajectory xi to broadcast now: (13d) while negotiating, the local plan at the end (step 13)."""
+        told = self.iterate.local if self.done else self.iterate.broadcast
+        return self.situation.frame.trajectory_to_ned(PathTrajectory(told))
+
+
+def begin(situation: Situation) -> Negotiation:
+    """Initialise p and z: the last plan shifted, or the nominal one, and z = 0.
+
+    A ship that has stopped is started from a plan that sails on; started from "go on as now", the
+    proximal term of (13b) would hold it for good.
+    """
+    controls = situation.last_controls
+    if controls is None:
+        controls = _guess(Start.NOMINAL, situation)
+    plan = rollout(_problem(situation, ()), controls)
+    return Negotiation(situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan)
+
+
+def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> bool:
+    """Whether wait(i) is false (step 4): all that decide before this ship have gone far enough.
+
+    >>> may_update(Wait.SEQUENTIAL, 0, [Progress(2, decided=False)])
+    False
+    >>> may_update(Wait.INTERLEAVED, 0, [Progress(2, decided=False)])
+    True
+    """
+    if wait is Wait.SEQUENTIAL:
+        return all(progress.decided for progress in predecessors)
+    return all(progress.decided or progress.iteration > iteration for progress in predecessors)
+
+
+def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> LocalProblem:
+    """State (13b) for the next update: neighbours in the own frame (steps 5 to 11), and z^{s+1/2}."""
+    situation = negotiation.situation
+    settings = situation.settings
+    threats = [
+        threat(
+            situation.hull,
+            neighbour.hull,
+            situation.frame.trajectory_to_path(neighbour.trajectory),
+            settings.risk,
+            settings.weights,
+        )
+        for neighbour in neighbours
+    ]
+    half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
+    problem = _problem(situation, threats)
+    return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
+
+
+def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
+    """Controls from which to solve: all starts at first, then the plan so far."""
+    if negotiation.iteration > 0:
+        return (negotiation.plan.controls,)
+    situation = negotiation.situation
+    starts = situation.settings.starts
+    if situation.last_controls is None:
+        starts = tuple(start for start in starts if start is not Start.LAST) or (Start.NOMINAL,)
+    return tuple(_guess(start, situation) for start in starts)
+
+
+def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution) -> Negotiation:
+    """Take a solution (steps 12 to 18); one that is not usable leaves plan and iterate as they are."""
+    iterate, plan = negotiation.iterate, negotiation.plan
+    if solution.outcome.usable:
+        plan = solution.plan
+        beta = negotiation.situation.settings.beta
+        iterate = nadmm.full_step(iterate, problem.multiplier, plan.trajectory.poses, beta)
+    return replace(
+        negotiation,
+        iteration=negotiation.iteration + 1,
+        iterate=iterate,
+        plan=plan,
+        outcomes=(*negotiation.outcomes, solution.outcome),
+        seconds=(*negotiation.seconds, solution.seconds),
+        residuals=(*negotiation.residuals, iterate.residual),
+    )
+
+
+def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[LocalPlan, str]:
+    """Say what to do without a solution: the last plan if it is still clear, or slow down.
+
+    A plan is clear if it stays outside the risk ellipse (one e-th of the height) of every neighbour.
+    """
+    settings = situation.settings
+    threats = [
+        threat(
+            situation.hull,
+            neighbour.hull,
+            situation.frame.trajectory_to_path(neighbour.trajectory),
+            settings.risk,
+            settings.weights,
+        )
+        for neighbour in neighbours
+    ]
+    problem = _problem(situation, threats)
+    if situation.last_controls is not None:
+        plan = rollout(problem, situation.last_controls)
+        if _clear(plan, threats):
+            return plan, "the last plan goes on"
+    slow = np.column_stack([np.full(settings.horizon, situation.last_offset), np.zeros(settings.horizon)])
+    return rollout(problem, slow), "the ship slows down"
+
+
+def _clear(plan: LocalPlan, threats: Sequence[FloatArray]) -> bool:
+    poses = plan.trajectory.poses[1:]
+    for rows in threats:
+        dx, dy = poses[:, 0] - rows[:, 0], poses[:, 1] - rows[:, 1]
+        if np.any(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 < 1.0):
+            return False
+    return True
+
+
+def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProblem:
+    horizon = situation.settings.horizon
+    return LocalProblem(
+        initial=situation.initial,
+        last_offset=situation.last_offset,
+        speed=situation.speed,
+        settings=situation.settings,
+        offset_limits=situation.offset_limits,
+        threats=np.array(threats).reshape(len(threats), horizon, 6),
+        multiplier=np.zeros((horizon + 1, 3)),
+        broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),
+    )
+
+
+def _guess(start: Start, situation: Situation) -> FloatArray:
+    if start is Start.LAST and situation.last_controls is not None:
+        return situation.last_controls
+    horizon = situation.settings.horizon
+    offset, factor = np.zeros(horizon), np.ones(horizon)
+    if start is Start.STARBOARD:
+        offset = situation.offset_limits[:, 1] / 2.0
+    elif start is Start.SLOW:
+        factor = np.full(horizon, SLOW_FACTOR)
+    return np.column_stack([offset, factor])
+
+
+def carried_on(controls: FloatArray) -> FloatArray:
+    """Shift a plan by the period that has been sailed; its last control is held."""
+    return shifted(controls)
+
+
+def progress_of(told: Mapping[ShipId, Progress], predecessors: Iterable[ShipId]) -> tuple[Progress, ...]:
+    """How far each predecessor has come; one that has told nothing has not begun."""
+    return tuple(told.get(ship, Progress(0, decided=False)) for ship in predecessors)

@@ -1,0 +1,33 @@
+"""Where a ship will be that has not told its intention (Algorithm 2, step 9)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from ..frames import NedPose, NedTrajectory
+
+
+class AbstractPredictor(ABC):
+    """Predicts the motion of a neighbour from what is known of it now."""
+
+    @abstractmethod
+    def predict(self, pose: NedPose, speed: float, horizon: int, time_step: float) -> NedTrajectory:
+        """Predict N = `horizon` steps of `time_step` [s]; the first row is `pose`."""
+
+
+class ConstantVelocity(AbstractPredictor):
+    """Course and speed stay as they are, as in the paper.
+
+    >>> ConstantVelocity().predict(NedPose(0.0, 0.0, 0.0), 3.0, 2, 20.0).poses[:, 0].tolist()
+    [0.0, 60.0, 120.0]
+    """
+
+    def predict(self, pose: NedPose, speed: float, horizon: int, time_step: float) -> NedTrajectory:
+        """Predict a straight line."""
+        sailed = speed * time_step * np.arange(horizon + 1)
+        course = np.full(horizon + 1, pose.course)
+        north = pose.x + sailed * np.cos(pose.course)
+        east = pose.y + sailed * np.sin(pose.course)
+        return NedTrajectory(np.column_stack([north, east, course]))

@@ -1,0 +1,64 @@
+"""Collision risk of one ship towards another, Eq. (6)."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from ..frames import FloatArray, PathTrajectory
+from ..ships import Hull
+from .parameters import Risk, RiskShape, Weights
+from .symbolic import Scalar
+
+COLUMNS = 6  # of a threat: x, y [m], q_xx, q_xy, q_yy [1/m^2], gain
+
+
+def collision_risk(
+    dx: Scalar, dy: Scalar, q_xx: Scalar, q_xy: Scalar, q_yy: Scalar, gain: Scalar
+) -> Scalar:
+    """Risk of being `dx`, `dy` [m] from another ship: gain * exp(-d' Q d).
+
+    Eq. (6) has Q = diag(1/alpha_x, 1/alpha_y), and gain = K_ca / sqrt(1 + K_d k).
+
+    Examples
+    --------
+    >>> collision_risk(0.0, 0.0, 1e-4, 0.0, 1e-2, 900.0)
+    900.0
+    >>> round(collision_risk(100.0, 0.0, 1e-4, 0.0, 1e-2, 900.0), 3)   # 900 / e
+    331.091
+    """
+    return gain * ca.exp(-(q_xx * dx * dx + 2.0 * q_xy * dx * dy + q_yy * dy * dy))
+
+
+def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weights: Weights) -> FloatArray:
+    """Another ship, or an obstacle, as the local problem sees it: (N, 6), rows k = 1 ... N.
+
+    `trajectory` is the other's, in the *own* path frame.  The columns are those of `COLUMNS`.
+
+    Notes
+    -----
+    As printed (`RiskShape.AXIS_BOUND`), alpha lies along the own ship's axes whatever the other's
+    course, so that a crossing ship of 103 m is felt as thin as its beam.  By default the ellipse lies
+    along the other's course, and its semi-axes are kappa times the half-extents of both hulls there:
+    the text ties alpha to the other's "size, shape, and current speed".
+    """
+    poses = trajectory.poses[1:]
+    steps = np.arange(1, len(poses) + 1)
+    gain = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
+    if risk.shape is RiskShape.AXIS_BOUND:
+        ones = np.ones(len(poses))
+        form = (ones / risk.alpha_x, 0.0 * ones, ones / risk.alpha_y)
+    else:
+        form = _course_aligned(own, other, poses[:, 2], risk)
+    return np.column_stack([poses[:, 0], poses[:, 1], *form, gain])
+
+
+def _course_aligned(own: Hull, other: Hull, course: FloatArray, risk: Risk) -> tuple[FloatArray, ...]:
+    """Quadratic form of an ellipse along the other's course; the own hull lies along the own line."""
+    cos, sin = np.cos(course), np.sin(course)
+    half_length, half_beam = own.length / 2.0, own.beam / 2.0
+    along = other.safety_length / 2.0 + np.hypot(half_length * cos, half_beam * sin)
+    across = other.safety_beam / 2.0 + np.hypot(half_length * sin, half_beam * cos)
+    a = 1.0 / (risk.kappa_along * along) ** 2
+    b = 1.0 / (risk.kappa_across * across) ** 2
+    return a * cos**2 + b * sin**2, (a - b) * sin * cos, a * sin**2 + b * cos**2

@@ -1,0 +1,301 @@
+"""Ways to minimise the local problem (13b): `ipopt`, as the paper, and `fatrop`, by stages.
+
+A third, `riccati`, has a module of its own.
+
+A solver is a resource: it builds a nonlinear programme once for a horizon and a number of threats,
+and is then called like a function.  It returns a `Solution` whatever happens.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import casadi as ca
+import numpy as np
+
+from ..errors import InputError, Diagnostic, did_you_mean
+from ..frames import FloatArray, PathTrajectory
+from .local_problem import LocalPlan, LocalProblem, Solution
+from .model import CONTROLS, STATES, constants, objective, rollout, stage_model, stage_parameters
+from .outcome import Outcome
+
+TOLERANCE: Final = 1e-8
+_WALL_TIME: Final = 10.0  # of one solve [s]; half a control period
+_SAME: Final = 1e-6  # relative difference below which two objectives tie
+_SLOTS: Final = (1, 2, 4, 8, 16, 32, 64, 128)  # numbers of threats for which programmes are built
+
+
+@dataclass(frozen=True, slots=True)
+class _Programme:
+    """A built programme, and how its variables are laid out."""
+
+    solve: ca.Function
+    pack: Callable[[LocalPlan, float], FloatArray]  # plan, last offset -> guess
+    controls: Callable[[FloatArray], FloatArray]  # variables -> (N, 2)
+    lower: Callable[[LocalProblem], FloatArray]
+    upper: Callable[[LocalProblem], FloatArray]
+
+
+class AbstractLocalSolver(ABC):
+    """Minimises local problems; two methods, no state that a caller can see."""
+
+    name: str
+
+    @abstractmethod
+    def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
+        """Minimise from one guess of the controls, (N, 2)."""
+
+    def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
+        """Minimise from several guesses; the first of equally good answers wins.
+
+        A usable answer beats one that is not.  Iterations and seconds are those of all starts.
+        """
+        return self.choose([self.solve(problem, guess) for guess in guesses])
+
+    @staticmethod
+    def choose(answers: Sequence[Solution]) -> Solution:
+        """Choose among the answers from several guesses, as `best` says."""
+        best = answers[0]
+        for answer in answers[1:]:
+            if (answer.outcome.usable, 0.0) > (best.outcome.usable, 0.0) or (
+                answer.outcome.usable is best.outcome.usable
+                and answer.objective < best.objective - _SAME * max(1.0, abs(best.objective))
+            ):
+                best = answer
+        return Solution(
+            plan=best.plan,
+            objective=best.objective,
+            outcome=best.outcome,
+            iterations=sum(answer.iterations for answer in answers),
+            seconds=sum(answer.seconds for answer in answers),
+            message=best.message,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _NlpSolver(AbstractLocalSolver):
+    """A programme of CasADi behind the interface; the children only say how to build it."""
+
+    programmes: dict[tuple[int, int], _Programme] = field(default_factory=dict, init=False, repr=False)
+
+    @abstractmethod
+    def build(self, horizon: int, threats: int) -> _Programme:
+        """Build the programme for a horizon and a number of threats."""
+
+    def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
+        """Minimise from one guess of the controls, (N, 2)."""
+        threats = slots(len(problem.threats))
+        key = problem.settings.horizon, threats
+        if key not in self.programmes:
+            self.programmes[key] = self.build(*key)
+        programme = self.programmes[key]
+        start = rollout(problem, guess)
+        parameters = np.concatenate(
+            [
+                [problem.initial.x, problem.initial.y, problem.initial.course, problem.last_offset],
+                constants(problem),
+                stage_parameters(problem, threats).ravel(),
+            ]
+        )
+        began = time.perf_counter()
+        try:
+            answer = programme.solve(
+                x0=programme.pack(start, problem.last_offset),
+                p=parameters,
+                lbx=programme.lower(problem),
+                ubx=programme.upper(problem),
+                lbg=0.0,
+                ubg=0.0,
+            )
+            stats = programme.solve.stats()
+            found = np.asarray(answer["x"], dtype=np.float64).ravel()
+        except (RuntimeError, ArithmeticError) as error:
+            return _failed(problem, start, str(error), time.perf_counter() - began)
+        seconds = time.perf_counter() - began
+        return _judged(problem, start, programme.controls(found), stats, seconds)
+
+
+def _failed(problem: LocalProblem, start: LocalPlan, message: str, seconds: float) -> Solution:
+    value = objective(problem, start)
+    return Solution(
+        plan=start, objective=value, outcome=Outcome.FAILED, iterations=0, seconds=seconds, message=message
+    )
+
+
+def _judged(
+    problem: LocalProblem, start: LocalPlan, controls: FloatArray, stats: dict[str, Any], seconds: float
+) -> Solution:
+    """Read a solver's report; the plan is sailed anew, so that it keeps Eq. (4) and the bounds exactly."""
+    message = str(stats.get("return_status", stats.get("unified_return_status", "")))
+    iterations = int(stats.get("iter_count", 0))
+    if not np.all(np.isfinite(controls)):
+        outcome, plan, value = Outcome.NOT_FINITE, start, objective(problem, start)
+    else:
+        plan = rollout(problem, controls)
+        value = objective(problem, plan)
+        outcome = _outcome(bool(stats.get("success", False)), message)
+        if not math.isfinite(value):
+            outcome = Outcome.NOT_FINITE
+    return Solution(
+        plan=plan, objective=value, outcome=outcome, iterations=iterations, seconds=seconds, message=message
+    )
+
+
+def _outcome(success: bool, message: str) -> Outcome:
+    if success:
+        return Outcome.CONVERGED
+    words = message.lower()
+    if "infeasible" in words or "restoration" in words:
+        return Outcome.INFEASIBLE
+    if "nan" in words or "invalid_number" in words:
+        return Outcome.NOT_FINITE
+    if "exceeded" in words or "limit" in words or "max" in words:
+        return Outcome.ITERATION_LIMIT
+    return Outcome.FAILED
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ipopt(_NlpSolver):
+    """Multiple shooting and IPOPT, as the paper: all poses and controls are variables."""
+
+    name: str = "ipopt"
+
+    def build(self, horizon: int, threats: int) -> _Programme:
+        """Variables: poses (3 N), then controls (2 N); the initial pose is a parameter."""
+        model, initial, fixed, stages, parameters = _parameters(horizon, threats)
+        poses = ca.SX.sym("poses", 3, horizon)
+        controls = ca.SX.sym("controls", CONTROLS, horizon)
+        value, gaps, state = ca.SX(0), [], initial
+        for k in range(horizon):
+            value += model.control_cost(state, controls[:, k], fixed)
+            sailed = model.dynamics(state, controls[:, k], fixed)
+            gaps.append(sailed[:3] - poses[:, k])
+            state = ca.vertcat(poses[:, k], controls[0, k])
+            value += model.state_cost(state, stages[:, k], fixed)
+        variables = ca.vertcat(ca.vec(poses), ca.vec(controls))
+        options = {
+            "expand": False,
+            "print_time": False,
+            "error_on_fail": False,
+            "ipopt": {"print_level": 0, "sb": "yes", "tol": TOLERANCE, "max_iter": 300, "max_wall_time": _WALL_TIME},
+        }
+        programme = {"x": variables, "f": value, "g": ca.vertcat(*gaps), "p": parameters}
+        free = np.full(3 * horizon, np.inf)
+
+        def bound(problem: LocalProblem, side: int) -> FloatArray:
+            factor = np.full(horizon, float(side))
+            pairs = np.column_stack([problem.offset_limits[:, side], factor])
+            return np.concatenate([free if side else -free, pairs.ravel()])
+
+        return _Programme(
+            solve=ca.nlpsol("local_problem", "ipopt", programme, options),
+            pack=lambda plan, _: np.concatenate([plan.trajectory.poses[1:].ravel(), plan.controls.ravel()]),
+            controls=lambda found: found[3 * horizon :].reshape(horizon, CONTROLS),
+            lower=lambda problem: bound(problem, 0),
+            upper=lambda problem: bound(problem, 1),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fatrop(_NlpSolver):
+    """Optimal control by stages and FATROP: the last offset is a fourth state.
+
+    Without that state, (8) and (9) couple neighbouring stages, and the solver's structure, which is
+    that of a Riccati recursion, does not hold.
+    """
+
+    name: str = "fatrop"
+
+    def build(self, horizon: int, threats: int) -> _Programme:
+        """Variables by stage: state, control, state, control, ..., state."""
+        model, initial, fixed, stages, parameters = _parameters(horizon, threats)
+        states = [ca.SX.sym(f"state_{k}", STATES) for k in range(horizon + 1)]
+        controls = [ca.SX.sym(f"control_{k}", CONTROLS) for k in range(horizon)]
+        value, constraints = ca.SX(0), []
+        variables = []
+        for k in range(horizon):
+            value += model.control_cost(states[k], controls[k], fixed)
+            value += model.state_cost(states[k + 1], stages[:, k], fixed)
+            constraints.append(states[k + 1] - model.dynamics(states[k], controls[k], fixed))
+            if k == 0:
+                constraints.append(states[0] - initial)
+            variables += [states[k], controls[k]]
+        variables.append(states[horizon])
+        count = sum(part.numel() for part in constraints)
+        options = {
+            "expand": False,
+            "print_time": False,
+            "error_on_fail": False,
+            "structure_detection": "auto",
+            "equality": [True] * count,
+            "fatrop": {"print_level": 0, "tol": TOLERANCE, "max_iter": 300},
+        }
+        programme = {
+            "x": ca.vertcat(*variables), "f": value, "g": ca.vertcat(*constraints), "p": parameters,
+        }
+
+        def pack(plan: LocalPlan, last_offset: float) -> FloatArray:
+            last = np.concatenate([[last_offset], plan.controls[:, 0]])
+            rows = np.column_stack([plan.trajectory.poses, last])
+            body = np.hstack([rows[:-1], plan.controls]).ravel()
+            return np.concatenate([body, rows[-1]])
+
+        def bound(problem: LocalProblem, side: int) -> FloatArray:
+            free = np.full((horizon, STATES), np.inf if side else -np.inf)
+            rows = np.hstack([free, problem.offset_limits[:, [side]], np.full((horizon, 1), float(side))])
+            return np.concatenate([rows.ravel(), free[0]])
+
+        def controls_of(found: FloatArray) -> FloatArray:
+            return found[: horizon * (STATES + CONTROLS)].reshape(horizon, STATES + CONTROLS)[:, STATES:]
+
+        return _Programme(
+            solve=ca.nlpsol("local_problem", "fatrop", programme, options),
+            pack=pack,
+            controls=controls_of,
+            lower=lambda problem: bound(problem, 0),
+            upper=lambda problem: bound(problem, 1),
+        )
+
+
+def _parameters(horizon: int, threats: int) -> tuple[Any, ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Model, and the parameters of a programme: initial state, constants, stages (one a column)."""
+    model = stage_model(threats)
+    initial = ca.SX.sym("initial", STATES)
+    fixed = ca.SX.sym("constants", model.constants)
+    stages = ca.SX.sym("stages", model.stage_parameters, horizon)
+    return model, initial, fixed, stages, ca.vertcat(initial, fixed, ca.vec(stages))
+
+
+def slots(threats: int) -> int:
+    """Number of threats that a programme is built for: the next of a few sizes.
+
+    >>> [slots(n) for n in (0, 1, 3, 5)]
+    [1, 1, 4, 8]
+    """
+    return next(size for size in _SLOTS if size >= threats)
+
+
+def _riccati() -> AbstractLocalSolver:
+    from .riccati import Riccati  # imports numba
+
+    return Riccati()
+
+
+SOLVERS: Final[dict[str, Callable[[], AbstractLocalSolver]]] = {
+    "fatrop": Fatrop, "ipopt": Ipopt, "riccati": _riccati,
+}
+DEFAULT_SOLVER: Final = "fatrop"
+
+
+def make_solver(name: str) -> AbstractLocalSolver:
+    """Make a solver by its name; `InputError` where there is none of that name."""
+    if name not in SOLVERS:
+        raise InputError(
+            Diagnostic(source="solver", message=f"unknown solver {name!r}", hint=did_you_mean(name, SOLVERS))
+        )
+    return SOLVERS[name]()

@@ -1,0 +1,172 @@
+"""Inertial frame {n} and path frames {w_i}, and the one way between them (Sec. 2.1).
+
+The inertial frame is north-east-down: x north, y east, course clockwise from north.  The path
+frame of ship i runs along its guiding line: x is the distance along the line, y the offset to
+*starboard*, and the course is taken relative to the line.  A pose says by its type which frame
+it is in; `PathFrame` alone converts.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .units import wrap
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+
+def frozen_array(values: ArrayLike) -> FloatArray:
+    """Copy into an array of floats that nobody can write to."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, slots=True)
+class NedPose:
+    """Where a ship is in the inertial frame {n}."""
+
+    x: float  # north [m]
+    y: float  # east [m]
+    course: float  # clockwise from north [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class PathPose:
+    """Where a ship is in a path frame {w_i}."""
+
+    x: float  # along the guiding line [m]
+    y: float  # offset to starboard of it [m]
+    course: float  # relative to it [rad]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NedTrajectory:
+    """Poses over the horizon in {n}: `poses` is (N + 1, 3), columns as in `NedPose`."""
+
+    poses: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", _checked(self.poses))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathTrajectory:
+    """Poses over the horizon in {w_i}: `poses` is (N + 1, 3), columns as in `PathPose`."""
+
+    poses: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", _checked(self.poses))
+
+
+def _checked(poses: FloatArray) -> FloatArray:
+    if poses.ndim != 2 or poses.shape[1] != 3:
+        raise ValueError(f"a trajectory is (N + 1, 3), got {poses.shape}")
+    return frozen_array(poses)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathFrame:
+    """The path frame {w_i} of a guiding line.
+
+    On a straight line this is the rotation R_i and shift of Sec. 2.1.  On a bent line, the
+    nearest point of the line gives x, and before its first and after its last vertex the line
+    goes on straight.
+
+    Parameters
+    ----------
+    vertices
+        Corners of the guiding line in {n}, (n, 2), columns north and east [m].  At least two,
+        no two neighbours equal.
+
+    Examples
+    --------
+    >>> frame = PathFrame(frozen_array([[0.0, 0.0], [0.0, 1000.0]]))   # a line due east
+    >>> pose = frame.to_path(NedPose(-20.0, 100.0, math.pi / 2))
+    >>> round(pose.x), round(pose.y), round(pose.course, 6)
+    (100, 20, 0.0)
+    """
+
+    vertices: FloatArray
+    _lengths: FloatArray = field(init=False, repr=False)
+    _distances: FloatArray = field(init=False, repr=False)
+    _tangents: FloatArray = field(init=False, repr=False)
+    _courses: FloatArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        vertices = frozen_array(self.vertices)
+        if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 2:
+            raise ValueError(f"a guiding line is (n, 2) with n >= 2, got {vertices.shape}")
+        steps = np.diff(vertices, axis=0)
+        lengths = np.hypot(steps[:, 0], steps[:, 1])
+        if not np.all(lengths > 0.0):
+            raise ValueError("a guiding line must not repeat a vertex")
+        set_ = object.__setattr__
+        set_(self, "vertices", vertices)
+        set_(self, "_lengths", frozen_array(lengths))
+        set_(self, "_distances", frozen_array(np.concatenate([[0.0], np.cumsum(lengths)])))
+        set_(self, "_tangents", frozen_array(steps / lengths[:, None]))
+        set_(self, "_courses", frozen_array(np.arctan2(steps[:, 1], steps[:, 0])))
+
+    @property
+    def length(self) -> float:
+        """Length of the guiding line [m]."""
+        return float(self._distances[-1])
+
+    def course_at(self, x: float) -> float:
+        """Course of the guiding line [rad] at distance x [m] along it."""
+        return float(self._courses[self._segment(np.array([x]))[0]])
+
+    def to_path(self, pose: NedPose) -> PathPose:
+        """Read a pose of {n} in this frame; the course comes back in (-pi, pi]."""
+        x, y, course = self._into(np.array([[pose.x, pose.y, pose.course]]))[0]
+        return PathPose(float(x), float(y), wrap(float(course)))
+
+    def to_ned(self, pose: PathPose) -> NedPose:
+        """Read a pose of this frame in {n}; the course comes back in (-pi, pi]."""
+        x, y, course = self._out_of(np.array([[pose.x, pose.y, pose.course]]))[0]
+        return NedPose(float(x), float(y), wrap(float(course)))
+
+    def trajectory_to_path(self, trajectory: NedTrajectory) -> PathTrajectory:
+        """Read a trajectory of {n} in this frame."""
+        return PathTrajectory(self._into(trajectory.poses))
+
+    def trajectory_to_ned(self, trajectory: PathTrajectory) -> NedTrajectory:
+        """Read a trajectory of this frame in {n}."""
+        return NedTrajectory(self._out_of(trajectory.poses))
+
+    def _segment(self, x: FloatArray) -> NDArray[np.intp]:
+        return np.clip(np.searchsorted(self._distances, x, side="right") - 1, 0, len(self._lengths) - 1)
+
+    def _into(self, poses: FloatArray) -> FloatArray:
+        away = poses[:, None, :2] - self.vertices[None, :-1, :]  # (m, segments, 2)
+        along = np.einsum("msk,sk->ms", away, self._tangents)
+        lower = np.zeros(len(self._lengths))
+        upper = self._lengths.copy()
+        lower[0], upper[-1] = -math.inf, math.inf
+        foot = np.clip(along, lower, upper)
+        gap = away - foot[..., None] * self._tangents[None]
+        nearest = np.argmin(np.einsum("msk,msk->ms", gap, gap), axis=1)
+        rows = np.arange(len(poses))
+        gap, tangent = gap[rows, nearest], self._tangents[nearest]
+        across = tangent[:, 0] * gap[:, 1] - tangent[:, 1] * gap[:, 0]
+        beyond = along[rows, nearest] != foot[rows, nearest]  # outside of a bend: distance to its corner
+        y = np.where(beyond, np.copysign(np.hypot(gap[:, 0], gap[:, 1]), across), across)
+        x = self._distances[nearest] + foot[rows, nearest]
+        turn = poses[:, 2] - self._courses[nearest]
+        course = np.arctan2(np.sin(turn), np.cos(turn))
+        return np.column_stack([x, y, course])
+
+    def _out_of(self, poses: FloatArray) -> FloatArray:
+        segment = self._segment(poses[:, 0])
+        tangent = self._tangents[segment]
+        along = poses[:, 0] - self._distances[segment]
+        north = self.vertices[segment, 0] + along * tangent[:, 0] - poses[:, 1] * tangent[:, 1]
+        east = self.vertices[segment, 1] + along * tangent[:, 1] + poses[:, 1] * tangent[:, 0]
+        return np.column_stack([north, east, poses[:, 2] + self._courses[segment]])

@@ -1,0 +1,342 @@
+"""A run folder: what a voyage leaves on the disk, written as it sails, and read again.
+
+Four files: `scenario.yaml`, `frames.csv`, `decisions.jsonl`, and `summary.json`, which comes last and whole.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self, TextIO, cast
+
+from ..errors import Diagnostic, InputError
+from ..priority import Edge, Settlement
+from ..ships import ShipId
+from ..verdict import Verdict
+from .frame import Frame
+from .metrics import guiding_frames, is_met, plain, safety_indices
+from .scenario import Scenario
+
+SCENARIO: Final = "scenario.yaml"
+FRAMES: Final = "frames.csv"
+DECISIONS: Final = "decisions.jsonl"
+SUMMARY: Final = "summary.json"
+COLUMNS: Final = (
+    "time_s",
+    "ship",
+    "east_m",
+    "north_m",
+    "course_rad",
+    "speed_mps",
+    "u_y_m",
+    "u_s",
+    "safety_index_m",
+    "ruleset",
+)
+_OURS: Final = (SUMMARY, FRAMES, DECISIONS, SCENARIO, "frames.parquet", "*.png")  # the summary goes first
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One ship at one instant, as `frames.csv` has it."""
+
+    time: float  # [s]
+    ship: ShipId
+    east: float  # [m]
+    north: float  # [m]
+    course: float  # [rad]
+    speed: float  # [m/s]
+    offset: float  # u^y [m]
+    speed_factor: float  # u^s
+    safety_index: float | None  # [m]; None for a ship alone
+    ruleset: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """What a run folder holds; `summary` is None where the run was cut short."""
+
+    scenario: str  # text of scenario.yaml
+    rows: tuple[Row, ...]
+    decisions: tuple[Mapping[str, object], ...]
+    summary: Mapping[str, object] | None
+
+
+class RunWriter:
+    """Writer of one run folder: `write` each frame as it comes, then `finish` with the summary.
+
+    The folder appears with the first frame.  Each frame is on the disk before the next is asked for, so a
+    run that is broken off leaves a folder that can be read.  A folder that holds an earlier run is
+    replaced: our own files in it go, others stay.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something else than a run, or cannot be written.
+    """
+
+    def __init__(self, folder: Path, scenario: Scenario, text: str) -> None:
+        self.folder = folder
+        self._text = text
+        self._ships = {plan.ship.id: plan.ship for plan in scenario.ships}
+        self._lines = guiding_frames(scenario)
+        self._met: set[tuple[ShipId, ShipId]] = set()
+        self._files: tuple[TextIO, TextIO] | None = None
+        self._open = ExitStack()
+        with _explained(folder):
+            _refuse_strangers(folder)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def write(self, frame: Frame) -> None:
+        """Add one frame."""
+        with _explained(self.folder):
+            rows, decisions = self._files or self._begin()
+            rows.write(_csv(self._rows(frame)))
+            rows.flush()
+            decisions.write("".join(_json_line(each) for each in self._decisions(frame)))
+            decisions.flush()
+
+    def finish(self, summary: Mapping[str, object]) -> None:
+        """Add the summary, and close."""
+        if self._files is None:
+            raise ValueError("a run without frames has no summary")
+        self.close()
+        with _explained(self.folder):
+            text = json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+            part = self.folder / f".{SUMMARY}.part"
+            with part.open("w", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(self.folder / SUMMARY)
+
+    def close(self) -> None:
+        """Close the files; what was written stays."""
+        with _explained(self.folder):
+            self._open.close()
+
+    def _begin(self) -> tuple[TextIO, TextIO]:
+        _refuse_strangers(self.folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        for pattern in _OURS:
+            for old in self.folder.glob(pattern):
+                old.unlink()
+        (self.folder / SCENARIO).write_text(self._text, encoding="utf-8", newline="\n")
+        rows, decisions = (
+            self._open.enter_context((self.folder / name).open("w", encoding="utf-8", newline=""))
+            for name in (FRAMES, DECISIONS)
+        )
+        self._files = rows, decisions
+        rows.write(_csv([COLUMNS]))
+        return self._files
+
+    def _rows(self, frame: Frame) -> Iterator[tuple[str, ...]]:
+        poses = {id_: ship.pose for id_, ship in frame.ships.items()}
+        indices = safety_indices(poses, self._ships, self._lines)
+        for id_, ship in sorted(frame.ships.items()):
+            index = indices[id_]
+            yield (
+                _fixed(frame.time, 3),
+                id_,
+                _fixed(ship.pose.y, 4),
+                _fixed(ship.pose.x, 4),
+                _fixed(ship.pose.course, 6),
+                _fixed(ship.speed, 5),
+                _fixed(ship.offset, 4),
+                _fixed(ship.speed_factor, 6),
+                "" if index is None else _fixed(index, 4),
+                ship.ruleset,
+            )
+
+    def _decisions(self, frame: Frame) -> Iterator[dict[str, object]]:
+        for settlement in frame.settlements:
+            if is_met(settlement) or settlement.pair in self._met:
+                yield decision(settlement, frame)
+        settled = {each.pair for each in frame.settlements}
+        met = {each.pair for each in frame.settlements if is_met(each)}
+        self._met = {pair for pair in self._met - settled if frame.ships.keys() >= set(pair)} | met
+
+
+def decision(settlement: Settlement, frame: Frame) -> dict[str, object]:
+    """Tell one decision as a line of `decisions.jsonl` (contract)."""
+    edge = settlement.edge
+    return {
+        "time_s": frame.time,
+        "pair": settlement.pair,
+        "verdicts": {view.own: _verdict(view) for view in (settlement.one, settlement.other)},
+        "applied": "fallback" if settlement.fallback else "agreed",
+        "why": settlement.fallback or None,
+        "geometry": settlement.geometry,
+        "edge": edge and {"first": edge.first, "then": edge.then, "kind": edge.kind},
+        "opened": [
+            (opening.edge.first, opening.edge.then, opening.criterion)
+            for opening in frame.openings
+            if _joins(opening.edge, settlement)
+        ],
+    }
+
+
+def _verdict(view: Verdict) -> dict[str, object]:
+    return {
+        "kind": view.kind,
+        "give_way": view.give_way,
+        "stand_on": view.stand_on,
+        "pass": view.passing_side,
+        "article": view.article,
+        "ruleset": view.ruleset,
+        "version": view.version,
+        "rule": view.rule,
+        "reason": view.reason,
+        "geometry": view.geometry,
+        "strength": view.strength,
+        "pass_required": view.passing_required,
+        "side_chosen_by": view.side_chosen_by,
+        "initiator": view.initiator,
+        "confidence": view.citation and view.citation.confidence,
+        "facts": dict(sorted(view.facts.items())),
+    }
+
+
+def _joins(edge: Edge, settlement: Settlement) -> bool:
+    return {edge.first, edge.then} == set(settlement.pair)
+
+
+def read_run(folder: Path) -> Run:
+    """Read a run folder, also one whose run was broken off.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, or a file in it cannot be read.
+    """
+    with _explained(folder, "cannot be read", "is the run complete, and are you allowed to read it?"):
+        if not _is_run(folder):
+            raise InputError(
+                Diagnostic(
+                    source=str(folder),
+                    message="no run is here",
+                    expected=f"a folder with {FRAMES}",
+                    hint="`ccas simulate SCENARIO --out FOLDER` makes one",
+                )
+            )
+        summary = folder / SUMMARY
+        return Run(
+            scenario=_text(folder / SCENARIO),
+            rows=tuple(_read_rows(folder / FRAMES)),
+            decisions=tuple(
+                _read_object(folder / DECISIONS, line, number)
+                for number, line in enumerate(_whole_lines(folder / DECISIONS), start=1)
+            ),
+            summary=_read_object(summary, _text(summary)) if summary.exists() else None,
+        )
+
+
+def _read_rows(file: Path) -> Iterator[Row]:
+    for number, row in enumerate(csv.DictReader(_whole_lines(file)), start=2):
+        try:
+            yield Row(
+                time=float(row["time_s"]),
+                ship=ShipId(row["ship"]),
+                east=float(row["east_m"]),
+                north=float(row["north_m"]),
+                course=float(row["course_rad"]),
+                speed=float(row["speed_mps"]),
+                offset=float(row["u_y_m"]),
+                speed_factor=float(row["u_s"]),
+                safety_index=float(row["safety_index_m"]) if row["safety_index_m"] else None,
+                ruleset=row["ruleset"],
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise _damaged(file, number, f"columns {', '.join(COLUMNS)}") from error
+
+
+def _read_object(file: Path, text: str, number: int = 1) -> Mapping[str, object]:
+    try:
+        found = json.loads(text)
+    except ValueError as error:
+        raise _damaged(file, number, "JSON") from error
+    if not isinstance(found, dict):
+        raise _damaged(file, number, "a JSON object")
+    return cast("dict[str, object]", found)
+
+
+def _damaged(file: Path, line: int, expected: str) -> InputError:
+    return InputError(
+        Diagnostic(source=str(file), line=line, column=1, message="cannot be understood", expected=expected)
+    )
+
+
+def _whole_lines(file: Path) -> list[str]:
+    """Lines of a file; the last one only if it was written to its end."""
+    return _text(file).split("\n")[:-1]
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise _damaged(file, 1, "UTF-8 text") from error
+
+
+def _is_run(folder: Path) -> bool:
+    return any((folder / name).is_file() for name in (SUMMARY, FRAMES))
+
+
+def _refuse_strangers(folder: Path) -> None:
+    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not _is_run(folder))):
+        raise InputError(
+            Diagnostic(
+                source=str(folder),
+                message="is not empty and not a run" if folder.is_dir() else "is a file",
+                expected="a new or empty folder, or an earlier run, which is replaced",
+                hint="choose another folder with --out",
+            )
+        )
+
+
+@contextmanager
+def _explained(
+    folder: Path,
+    what: str = "cannot be written",
+    hint: str = "free space, or choose another folder with --out",
+) -> Iterator[None]:
+    """Tell an error of the disk with its place, its cause and a hint."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            Diagnostic(
+                source=str(error.filename or folder),
+                message=f"{what}: {error.strerror or error}",
+                hint=hint,
+            )
+        ) from error
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Number with so many decimals, and never a negative zero: the same run gives the same bytes."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _csv(rows: Iterator[tuple[str, ...]] | list[tuple[str, ...]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def _json_line(value: Mapping[str, object]) -> str:
+    return json.dumps(plain(value), ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,0 +1,216 @@
+"""The simulator: a scenario in, an iterator of frames out.  Stopping is not asking for more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from ..agent.bus import Bus
+from ..agent.period import PeriodLog, run_period
+from ..agent.ship_agent import AgentSettings, Decision, Sensed, ShipAgent
+from ..dmpc.parameters import PROFILES, Settings, with_parameter
+from ..dmpc.solvers import AbstractLocalSolver
+from ..frames import NedTrajectory, PathPose, frozen_array
+from ..priority import Opening, Settlement
+from ..roles import Geometry
+from ..ships import ShipId
+from ..tapd.ruleset import AbstractRuleset
+from ..waterway import GuidingLine, guiding_line
+from .frame import Frame, ShipFrame
+from .guidance import Command, held
+from .scenario import ControlChoice, Plan, Profile, Scenario
+from .vessel import AbstractVessel, KinematicVessel
+
+PERIODS_ALLOWED = 21  # a run ends so many periods after each ship's undisturbed arrival
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _UnderWay:
+    """One ship of the simulation between two periods."""
+
+    plan: Plan
+    line: GuidingLine
+    pose: PathPose
+    speed: float  # over ground in the last period [m/s]
+    agent: ShipAgent
+
+
+def voyage(
+    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver
+) -> Iterator[Frame]:
+    """Sail a scenario, a frame a control period.
+
+    The first frame stands at time 0.  The voyage ends with the frame in which the last ship has arrived, or
+    at the latest `PERIODS_ALLOWED` periods after the last undisturbed arrival.
+
+    Parameters
+    ----------
+    scenario
+        What is sailed.
+    rulesets
+        By id; all that the waters name are needed.
+    solver
+        Of the local problems.
+    """
+    settings = agent_settings(scenario)
+    vessel = KinematicVessel(next(iter(settings.profiles.values())).kinematics)
+    ships = {plan.ship.id: _launched(scenario, plan, rulesets, settings) for plan in scenario.ships}
+    bus = Bus(loss=scenario.bus.loss, delay=scenario.bus.delay, seed=scenario.bus.seed)
+    limit = periods_limit(scenario)
+    arrived: dict[ShipId, float] = {}
+    index = 0
+    while True:
+        time = index * scenario.time_step
+        finished = {id_ for id_, ship in ships.items() if ship.pose.x >= ship.line.frame.length}
+        under_way = {id_: ship for id_, ship in ships.items() if id_ not in finished}
+        sensed = {
+            id_: Sensed(index, ship.line.frame.to_ned(ship.pose), ship.speed) for id_, ship in under_way.items()
+        }
+        agents = {id_: ship.agent for id_, ship in under_way.items()}
+        log = run_period(agents, bus, solver, sensed, time)
+        commands = {
+            id_: held(
+                Command(decision.offset, decision.speed_factor),
+                ships[id_].line,
+                ships[id_].pose.x,
+                ships[id_].plan.ship.hull.beam,
+            )
+            for id_, decision in log.decisions.items()
+        }
+        yield _frame(index, time, ships, commands, log, arrived)
+        if not under_way or index >= limit:
+            return
+        moved = {}
+        for id_, ship in under_way.items():
+            moved[id_] = _moved(ship, commands[id_], vessel, scenario.time_step)
+            end = ship.line.frame.length
+            if moved[id_].pose.x >= end:
+                share = (end - ship.pose.x) / (moved[id_].pose.x - ship.pose.x)
+                arrived[id_] = time + share * scenario.time_step
+        ships = moved
+        index += 1
+
+
+def agent_settings(scenario: Scenario) -> AgentSettings:
+    """Settings of every ship's agent: the two profiles of Sec. 5 with what the scenario overrides."""
+    control = scenario.control
+    profiles = {
+        geometry: chosen(profile, control, scenario.time_step) for geometry, profile in PROFILES.items()
+    }
+    profile = None if control.profile is Profile.AUTO else Geometry(control.profile.value)
+    return AgentSettings(profiles=profiles, profile=profile, deadlock_detection=control.deadlock_detection)
+
+
+def chosen(profile: Settings, control: ControlChoice, time_step: float) -> Settings:
+    """Override a profile by the `control` block of a scenario."""
+    settings = replace(
+        profile,
+        horizon=control.horizon,
+        iterations=control.iterations,
+        kinematics=replace(profile.kinematics, time_step=time_step),
+        wait=control.wait or profile.wait,
+        starts=control.starts or profile.starts,
+    )
+    if control.risk_shape is not None:
+        settings = replace(settings, risk=replace(settings.risk, shape=control.risk_shape))
+    for name, value in control.parameters.items():
+        settings = with_parameter(settings, name, value)
+    return settings
+
+
+def undisturbed_times(scenario: Scenario) -> dict[ShipId, float]:
+    """Time at which each ship would arrive if it met nobody [s]."""
+    times = {}
+    for plan in scenario.ships:
+        frame = guiding_line(scenario.waters, plan.route).frame
+        times[plan.ship.id] = (frame.length - frame.to_path(plan.start).x) / plan.speed
+    return times
+
+
+def periods_limit(scenario: Scenario) -> int:
+    """Index of the last frame that a voyage may have."""
+    slowest = math.ceil(max(undisturbed_times(scenario).values()) / scenario.time_step) + PERIODS_ALLOWED
+    return max(slowest, math.ceil(scenario.duration / scenario.time_step))
+
+
+def _launched(
+    scenario: Scenario, plan: Plan, rulesets: Mapping[str, AbstractRuleset], settings: AgentSettings
+) -> _UnderWay:
+    line = guiding_line(scenario.waters, plan.route)
+    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, settings)
+    return _UnderWay(plan=plan, line=line, pose=line.frame.to_path(plan.start), speed=plan.speed, agent=agent)
+
+
+def _moved(ship: _UnderWay, command: Command, vessel: AbstractVessel, time_step: float) -> _UnderWay:
+    pose = vessel.advance(ship.pose, command, ship.plan.speed)
+    sailed = math.hypot(pose.x - ship.pose.x, pose.y - ship.pose.y)
+    return replace(ship, pose=pose, speed=sailed / time_step)
+
+
+def _frame(
+    index: int,
+    time: float,
+    ships: Mapping[ShipId, _UnderWay],
+    commands: Mapping[ShipId, Command],
+    log: PeriodLog,
+    arrived: Mapping[ShipId, float],
+) -> Frame:
+    settled: dict[tuple[ShipId, ShipId], Settlement] = {}
+    openings: list[Opening] = []
+    for _, decision in sorted(log.decisions.items()):
+        openings += decision.openings
+        for settlement in decision.settlements:
+            if settlement.pair not in settled or settlement.fallback:
+                settled[settlement.pair] = settlement
+    return Frame(
+        index=index,
+        time=time,
+        ships=MappingProxyType(
+            {
+                id_: _ship_frame(ship, commands.get(id_), log.decisions.get(id_))
+                for id_, ship in sorted(ships.items())
+            }
+        ),
+        settlements=tuple(settled[pair] for pair in sorted(settled)),
+        openings=tuple(openings),
+        generations=log.generations,
+        arrived=MappingProxyType(dict(arrived)),
+    )
+
+
+def _ship_frame(ship: _UnderWay, command: Command | None, decision: Decision | None) -> ShipFrame:
+    """Frame of a ship; one that has just arrived has no decision, and sails on as it is."""
+    frame = ship.line.frame
+    pose = frame.to_ned(ship.pose)
+    if command is None or decision is None:
+        here = NedTrajectory(frozen_array([[pose.x, pose.y, pose.course]]))
+        return ShipFrame(
+            pose=pose,
+            path_x=ship.pose.x,
+            path_y=ship.pose.y,
+            speed=ship.speed,
+            offset=0.0,
+            speed_factor=1.0,
+            ruleset="",
+            plan=here,
+            outcome="",
+            fallback="",
+            update_ms=(),
+            residuals=(),
+        )
+    return ShipFrame(
+        pose=pose,
+        path_x=ship.pose.x,
+        path_y=ship.pose.y,
+        speed=command.speed_factor * ship.plan.speed,
+        offset=command.offset,
+        speed_factor=command.speed_factor,
+        ruleset=decision.ruleset,
+        plan=decision.plan,
+        outcome=decision.outcome,
+        fallback=decision.fallback,
+        update_ms=decision.update_ms,
+        residuals=decision.residuals,
+    )

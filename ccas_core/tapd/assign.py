@@ -1,0 +1,51 @@
+"""The priority assignment of one ship, Algorithm 1: a verdict on every ship it knows of.
+
+The rules themselves are a ruleset's.  A ruleset that raises, or says nothing where it should, gives a
+verdict of `conflict`, so that the safe mutual rule applies and the log says why.
+"""
+
+from __future__ import annotations
+
+from ..ships import ShipId
+from ..verdict import Kind, Verdict
+from .encounters import Encounter, remember
+from .ruleset import AbstractRuleset, Pair, Situation
+
+
+def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
+    """Judge every other ship from the side of `own`, in the order of ids."""
+    others = sorted(ship for ship in situation.world.reports if ship != own)
+    return tuple(judged(ruleset, situation, own, other) for other in others)
+
+
+def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: ShipId) -> Verdict:
+    """Judge one pair; whatever a plugin raises becomes a verdict that says so."""
+    try:
+        verdict = ruleset.view(situation, own, other)
+        if verdict is not None and not isinstance(verdict, Verdict):
+            raise TypeError(f"expected a Verdict, got {type(verdict).__name__}")
+    except Exception as error:  # a plugin may raise anything, and no ship may be left without a verdict
+        return Verdict(
+            own=own,
+            other=other,
+            kind=Kind.CONFLICT,
+            ruleset=ruleset.id,
+            version=ruleset.version,
+            reason=f"the ruleset failed: {type(error).__name__}: {error}",
+        )
+    if verdict is not None:
+        return verdict
+    return Verdict(
+        own=own, other=other, kind=Kind.NONE, ruleset=ruleset.id, version=ruleset.version, reason="no_rule"
+    )
+
+
+def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]:
+    """Carry the memory of a pair on by a period, given the verdict of one of its views."""
+    facts = situation.facts(verdict.own, verdict.other)
+    own_overtakes = verdict.kind is Kind.GIVE_WAY
+    overtaker = (verdict.own if own_overtakes else verdict.other) if verdict.geometry == "overtaking" else None
+    if facts.encounter.overtaker is not None:
+        overtaker = facts.encounter.overtaker
+    pair = (min(verdict.own, verdict.other), max(verdict.own, verdict.other))
+    return pair, remember(facts, verdict.geometry, overtaker)

@@ -1,0 +1,76 @@
+"""Deadlocks, found and opened without a coordinator (Sec. 3.2).
+
+Ships tell one another whom they wait for.  A ship whose timer T_DL has run out looks at what it
+has heard: it may decide if it lies in a source component (nobody it waits for, at any remove,
+fails to wait for it) and is the lightest there, then the one with the smallest id.  A ship that
+merely waits for a ring must not jump the queue.  `priority.open_cycles` gives the same order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import networkx as nx
+
+from ..priority import Edge, EdgeKind, Opening
+from ..ships import ShipId
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """Whom a ship waits for in this period, and by which kind of edge."""
+
+    mass: float  # [kg]
+    waits_for: Mapping[ShipId, EdgeKind] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "waits_for", MappingProxyType(dict(self.waits_for)))
+
+
+def released(own: ShipId, heard: Mapping[ShipId, Waiting], decided: Set[ShipId]) -> tuple[Opening, ...] | None:
+    """Say whether `own` may decide although it waits, and which edges that opens.
+
+    None where it may not: because others come first, or because not all is heard yet.  Call it
+    when T_DL has passed without progress.
+    """
+    ancestors = _ancestors(own, heard)
+    if ancestors is None:
+        return None
+    graph: nx.DiGraph[ShipId] = nx.DiGraph()
+    for ship in ancestors:
+        graph.add_node(ship)
+        graph.add_edges_from((before, ship, {"kind": kind}) for before, kind in heard[ship].waits_for.items())
+    openings = []
+    home = {ship: n for n, ring in enumerate(nx.strongly_connected_components(graph)) for ship in ring}
+    for before, ship, kind in sorted(graph.edges(data="kind")):
+        if kind is EdgeKind.ORDER and home[before] == home[ship]:
+            graph.remove_edge(before, ship)
+            if ship == own:
+                openings.append(Opening(Edge(before, ship, kind), "no duty"))
+    graph.remove_nodes_from([ship for ship in graph if ship in decided and ship != own])
+    rings = nx.strongly_connected_components(graph)
+    ring = next(ring for ring in rings if own in ring)
+    if any(before not in ring for ship in ring for before in graph.predecessors(ship)):
+        return None
+    if own != min(ring, key=lambda ship: (heard[ship].mass, ship)):
+        return None
+    for before in sorted(graph.predecessors(own)):
+        openings.append(Opening(Edge(before, own, graph.edges[before, own]["kind"]), "lightest first"))
+    return tuple(openings)
+
+
+def _ancestors(own: ShipId, heard: Mapping[ShipId, Waiting]) -> set[ShipId] | None:
+    """Ship `own` and all for which it waits at any remove; None if one of them has not been heard."""
+    found: set[ShipId] = set()
+    frontier = [own]
+    while frontier:
+        ship = frontier.pop()
+        if ship in found:
+            continue
+        if ship not in heard:
+            return None
+        found.add(ship)
+        frontier.extend(heard[ship].waits_for)
+    return found

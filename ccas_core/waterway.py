@@ -1,0 +1,261 @@
+"""Waters as a chart shows them: waterways, junctions, regions, obstacles, routes.
+
+Everything here is in the inertial frame {n}: arrays of points are (n, 2), north and east [m].
+Only this module and `frames` know that a guiding line may bend.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .frames import FloatArray, NedPose, PathFrame, PathPose, frozen_array
+from .ships import Facts
+
+if TYPE_CHECKING:
+    from shapely import Geometry
+
+BANK_MARGIN = 5.0  # water that the hull leaves free towards the bank [m]
+OFFSET_LIMIT = 60.0  # y_max: bound of the cross-track offset (Table 1) [m]
+_BEND_STEP = math.radians(5.0)  # a rounded corner turns by no more than this at a vertex [rad]
+_BEYOND_ENDS = 500.0  # banks go on past the ends of a centreline, so that arriving is not grounding [m]
+
+
+class Towards(StrEnum):
+    """The end of a centreline: where a leg leads, or where upstream is."""
+
+    START = "start"
+    END = "end"
+    NONE = "none"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Waterway:
+    """A reach with a centreline (n, 2), a width [m], and the end that lies upstream."""
+
+    id: str
+    centreline: FloatArray
+    width: float
+    upstream: Towards = Towards.NONE
+    facts: Facts = field(default_factory=dict)
+    _frames: tuple[PathFrame, PathFrame] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centreline", frozen_array(self.centreline))
+        there, back = PathFrame(self.centreline), PathFrame(self.centreline[::-1])
+        object.__setattr__(self, "_frames", (there, back))
+
+    def frame(self, towards: Towards) -> PathFrame:
+        """Frame along the centreline in the sense of travel."""
+        return self._frames[0] if towards is Towards.END else self._frames[1]
+
+    def holds(self, pose: NedPose) -> bool:
+        """Whether a position lies between the banks and the ends of the centreline."""
+        frame = self.frame(Towards.END)
+        here = frame.to_path(pose)
+        return abs(here.y) <= self.width / 2.0 and 0.0 <= here.x <= frame.length
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Obstacle:
+    """Something that stays where it is: a circle."""
+
+    id: str
+    x: float  # north [m]
+    y: float  # east [m]
+    radius: float  # [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Region:
+    """Part of the waters with a ruleset of its own: a polygon (n, 2)."""
+
+    id: str
+    ruleset: str
+    polygon: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "polygon", frozen_array(self.polygon))
+
+    def holds(self, pose: NedPose) -> bool:
+        """Whether a position lies in the region, its border included."""
+        from shapely import Point, Polygon
+
+        return bool(Polygon(self.polygon).covers(Point(pose.x, pose.y)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Waters:
+    """A chart: the same for every ship."""
+
+    ruleset: str
+    waterways: tuple[Waterway, ...]
+    regions: tuple[Region, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
+
+    def waterway(self, id_: str) -> Waterway:
+        """Waterway by its id; `KeyError` where there is none."""
+        for waterway in self.waterways:
+            if waterway.id == id_:
+                return waterway
+        raise KeyError(id_)
+
+    def ruleset_at(self, pose: NedPose) -> str:
+        """Id of the ruleset in force at a position: that of the first region that holds it."""
+        for region in self.regions:
+            if region.holds(pose):
+                return region.ruleset
+        return self.ruleset
+
+    def junction(self, one: str, other: str) -> NedPose | None:
+        """Centre of the intersection of two waterways, known to all ships; None if they do not meet."""
+        return _junction(self, min(one, other), max(one, other))
+
+    def banks(self) -> Geometry:
+        """Navigable water as one shape: the union of all waterways, prolonged past their ends."""
+        from shapely import LineString, union_all
+
+        reaches = []
+        for waterway in self.waterways:
+            frame = waterway.frame(Towards.END)
+            ends = (frame.to_ned(PathPose(x, 0.0, 0.0)) for x in (-_BEYOND_ENDS, frame.length + _BEYOND_ENDS))
+            first, last = ends
+            line = [(first.x, first.y), *map(tuple, waterway.centreline), (last.x, last.y)]
+            reaches.append(LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre"))
+        return union_all(reaches)
+
+
+@lru_cache(maxsize=1024)
+def _junction(waters: Waters, one: str, other: str) -> NedPose | None:
+    from shapely import LineString
+
+    meeting = LineString(waters.waterway(one).centreline).intersection(LineString(waters.waterway(other).centreline))
+    if meeting.is_empty:
+        return None
+    point = meeting.representative_point() if meeting.geom_type != "Point" else meeting
+    return NedPose(float(point.x), float(point.y), 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """Part of a route: along one waterway, beside its centreline."""
+
+    waterway: str
+    towards: Towards
+    offset: float = 0.0  # of the guiding line from the centreline, starboard positive [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GuidingLine:
+    """A route drawn on the chart: the line that guidance follows, and the leg at each distance."""
+
+    frame: PathFrame
+    legs: tuple[Leg, ...]
+    leg_starts: tuple[float, ...]  # distance along the line at which each leg begins [m]
+    widths: tuple[float, ...]  # of each leg's waterway [m]
+
+    def leg_at(self, x: float) -> Leg:
+        """Leg at a distance [m] along the line."""
+        return self.legs[self._index(x)]
+
+    def offset_limits(self, x: float, beam: float) -> tuple[float, float]:
+        """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max.
+
+        Where a line runs so near to a bank that not even zero offset has the margin, zero
+        remains allowed: the line itself was chosen by the user.
+        """
+        index = self._index(x)
+        room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
+        offset = self.legs[index].offset
+        return min(0.0, max(-OFFSET_LIMIT, -room - offset)), max(0.0, min(OFFSET_LIMIT, room - offset))
+
+    def _index(self, x: float) -> int:
+        return max(0, bisect_right(self.leg_starts, x) - 1)
+
+
+def guiding_line(waters: Waters, legs: Sequence[Leg], turn_radius: float = 300.0) -> GuidingLine:
+    """Draw a route on the chart; corners are rounded with `turn_radius` [m] where there is room.
+
+    Raises
+    ------
+    ValueError
+        If two legs that follow one another do not meet.
+    """
+    corners = _beside(waters, legs[0])
+    joins: list[FloatArray] = []
+    for before, after in zip(legs, legs[1:], strict=False):
+        onward = _beside(waters, after)
+        corners, join = _joined(corners, onward, f"{before.waterway!r} and {after.waterway!r}")
+        joins.append(join)
+    frame = PathFrame(_rounded(corners, turn_radius))
+    starts = [0.0] + [frame.to_path(NedPose(float(join[0]), float(join[1]), 0.0)).x for join in joins]
+    widths = tuple(waters.waterway(leg.waterway).width for leg in legs)
+    return GuidingLine(frame=frame, legs=tuple(legs), leg_starts=tuple(starts), widths=widths)
+
+
+def _beside(waters: Waters, leg: Leg) -> FloatArray:
+    """Line beside the centreline of a leg, in the sense of travel, mitred at its bends."""
+    line = waters.waterway(leg.waterway).frame(leg.towards).vertices
+    steps = np.diff(line, axis=0)
+    steps = steps / np.hypot(steps[:, 0], steps[:, 1])[:, None]
+    starboard = np.column_stack([-steps[:, 1], steps[:, 0]])
+    before, after = np.vstack([starboard[:1], starboard]), np.vstack([starboard, starboard[-1:]])
+    mitre = before + after
+    mitre /= np.einsum("nk,nk->n", mitre, before)[:, None]
+    return line + leg.offset * mitre
+
+
+def _joined(first: FloatArray, second: FloatArray, names: str) -> tuple[FloatArray, FloatArray]:
+    """Follow the first line to the point where it meets the second, then the second."""
+    from shapely import LineString, Point
+
+    one, two = LineString(first), LineString(second)
+    meeting = one.intersection(two)
+    if meeting.is_empty:
+        raise ValueError(f"the legs along {names} do not meet")
+    point = meeting if isinstance(meeting, Point) else meeting.representative_point()
+    until, since = one.project(point), two.project(point)
+    head = [xy for xy in first if one.project(Point(xy)) < until - 1e-6]
+    tail = [xy for xy in second if two.project(Point(xy)) > since + 1e-6]
+    join = np.array([point.x, point.y])
+    return np.vstack([*head, join, *tail]), join
+
+
+def _rounded(corners: FloatArray, radius: float) -> FloatArray:
+    """Replace each corner by an arc of short chords, tangent to both sides."""
+    points = [corners[0]]
+    for before, corner, after in zip(corners, corners[1:], corners[2:], strict=False):
+        come, go = corner - before, after - corner
+        come_length, go_length = np.hypot(*come), np.hypot(*go)
+        come, go = come / come_length, go / go_length
+        turn = math.atan2(come[0] * go[1] - come[1] * go[0], float(come @ go))
+        if abs(turn) < _BEND_STEP or abs(turn) > math.pi - 1e-6:
+            points.append(corner)
+            continue
+        cut = min(radius * math.tan(abs(turn) / 2.0), come_length / 2.0, go_length / 2.0)
+        arc = cut / math.tan(abs(turn) / 2.0)
+        side = math.copysign(1.0, turn)
+        entry = corner - cut * come
+        centre = entry + side * arc * np.array([-come[1], come[0]])
+        steps = math.ceil(abs(turn) / _BEND_STEP)
+        for step in range(steps + 1):
+            angle = turn * step / steps
+            spoke = entry - centre
+            rotated = [
+                spoke[0] * math.cos(angle) - spoke[1] * math.sin(angle),
+                spoke[0] * math.sin(angle) + spoke[1] * math.cos(angle),
+            ]
+            points.append(centre + rotated)
+    points.append(corners[-1])
+    kept = [points[0]]
+    for point in points[1:]:
+        if np.hypot(*(point - kept[-1])) > 1e-6:
+            kept.append(point)
+    return np.array(kept)

@@ -1,0 +1,1 @@
+"""The command line `ccas`: `main` puts the commands together, one file holds one command."""
