@@ -26,9 +26,9 @@ import yaml
 from . import units
 from .errors import Diagnostic, InputError, did_you_mean
 
-MAX_BYTES: Final = 5_000_000
+MAX_BYTES: Final = 2_000_000
 MAX_DEPTH: Final = 40
-MAX_NODES: Final = 200_000  # with aliases written out
+MAX_NODES: Final = 100_000  # with aliases written out
 MAX_FINDINGS: Final = 100
 DIGITS: Final = 12  # that a file keeps of a number with a unit
 
@@ -172,7 +172,10 @@ def written(text: str) -> str:
     >>> print(written("ship 1"), written("12"), written("a: b"))
     ship 1 "12" "a: b"
     """
-    if re.fullmatch("[A-Za-z][A-Za-z0-9_.-]*(?: [A-Za-z0-9_.-]+)*", text) and Scalar(0, 0, text).value == text:
+    if (
+        re.fullmatch("[A-Za-z][A-Za-z0-9_.-]*(?: [A-Za-z0-9_.-]+)*", text)
+        and Scalar(0, 0, text).value == text
+    ):
         return text
     return _UNPRINTABLE.sub(lambda odd: f"\\u{ord(odd[0]):04x}", json.dumps(text, ensure_ascii=False))
 
@@ -211,7 +214,8 @@ def _place(before: str) -> Node:
 def _finding(
     source: str, at: Node, line: str, message: str, *, expected: str = "", hint: str = ""
 ) -> Diagnostic:
-    shown = "".join(c if c.isprintable() else " " if c == "\t" else "\ufffd" for c in line[:110]).rstrip()
+    cut = line[: max(100, at.column + 20)]
+    shown = "".join(c if c.isprintable() else " " if c == "\t" else "\ufffd" for c in cut).rstrip()
     return Diagnostic(
         source=source,
         line=at.line,
@@ -219,7 +223,7 @@ def _finding(
         message=message,
         expected=expected,
         hint=hint,
-        excerpt=shown if at.column <= len(shown) + 1 else "",
+        excerpt=shown if at.column <= min(200, len(shown) + 1) else "",
     )
 
 
@@ -280,6 +284,12 @@ class Reader:
         if self.count == MAX_FINDINGS:
             self.finish()
 
+    def unknown(self, at: Node, what: str, word: str, known: Iterable[str]) -> None:
+        """Add the finding that a word is not among those that are known."""
+        names = list(known)
+        hint = did_you_mean(word[:40], names) if names else ""
+        self.refuse(at, f"unknown {what} {_quoted(word)}", hint=hint)
+
     def stop(self, at: Node, message: str, *, expected: str = "", hint: str = "") -> NoReturn:
         """Add a finding after which nothing more can be known, and raise."""
         self.refuse(at, message, expected=expected, hint=hint)
@@ -289,7 +299,8 @@ class Reader:
     def finish(self) -> None:
         """Raise all findings, in the order of the file, if there are any."""
         if self._findings:
-            raise self._kind(*sorted(self._findings, key=lambda each: (each.line, each.column)))
+            ordered = sorted(self._findings, key=lambda each: (each.line, each.column))
+            raise self._kind(*dict.fromkeys(ordered))  # what an alias repeats is found again
 
     def document(self, schema: str) -> Block:
         """Keys of the file, the first of which must be `schema`, with this value."""
@@ -303,7 +314,9 @@ class Reader:
         if root.entries[0][0].text != "schema":
             self.refuse(root.entries[0][0], "'schema' must come first", hint=begin)
         if not isinstance(named, Scalar) or named.text != schema:
-            self.stop(named, f"{_shown(named)} is not the kind that is read here", expected=schema)
+            newer = isinstance(named, Scalar) and named.text.partition("@")[0] == schema.partition("@")[0]
+            hint = "written for another version of ccas" if newer else ""
+            self.stop(named, f"{_shown(named)} is not the kind that is read here", expected=schema, hint=hint)
         return block
 
     def block(self, node: Node | None) -> Block:
@@ -326,7 +339,8 @@ class Reader:
         items = node.items if isinstance(node, Sequence) else ()
         if node is not None and not _is_missing(node) and not at_least <= len(items) <= at_most:
             limit = f"at least {at_least}" if len(items) < at_least else f"at most {at_most}"
-            self.refuse(node, f"a list of {len(items)}", expected=f"{limit} in it", hint=hint)
+            expected = f"a list of {at_least if at_least == at_most else limit}"
+            self.refuse(node, f"a list of {len(items)}", expected=expected, hint=hint)
         return items
 
     def text(self, node: Node) -> str:
@@ -339,9 +353,11 @@ class Reader:
     def unique(self, seen: dict[str, Node], node: Node, what: str) -> str:
         """A text that no other node has used; `seen` holds those that did."""
         text = self.text(node)
-        if text and (first := seen.setdefault(text, node)) is not node:
+        if text and (first := seen.get(text)):
             hint = f"the first is at line {first.line}, column {first.column}; rename one"
             self.refuse(node, f"a second {what} {_quoted(text)}", hint=hint)
+        elif text:
+            seen[text] = node
         return text
 
     def flag(self, node: Node) -> bool:
@@ -385,9 +401,26 @@ class Reader:
         value = quantity.keep(_float(digits) * quantity.units.get(unit, 1.0))
         if not math.isfinite(value):
             self.refuse(node, f"{_shown(node)} is not finite", expected=quantity.expected)
-        elif not within.holds(value):
+            return math.nan
+        if not within.holds(value):
             self.refuse(node, f"{_shown(node)} is out of range", expected=within.words(quantity))
         return value
+
+    def value(self, node: Node) -> bool | int | float | str:
+        """A flag, a text, or a number with any unit or none: by what it looks like."""
+        text = self._scalar(node, "true, false, a number or a text")
+        if text is None or not isinstance(node, Scalar):
+            return ""
+        match = _MEASURE.fullmatch(text) if node.plain else None
+        if match and match[3] and match[3] in QUANTITY_OF:
+            return self.number(node, QUANTITY_OF[match[3]])
+        if match and match[3] and match[2]:
+            hint = f"{did_you_mean(match[3][:40], filter(None, QUANTITY_OF))}; a text needs quotes"
+            self.refuse(node, f"{_shown(node)} has an unknown unit", hint=hint)
+        value = node.value
+        if isinstance(value, float) and not math.isfinite(value):
+            self.refuse(node, f"{_shown(node)} is not finite", expected="a finite number")
+        return text if value is None else value
 
     def _scalar(self, node: Node, expected: str) -> str | None:
         if isinstance(node, Scalar) and not node.is_null:
@@ -452,11 +485,10 @@ class Block:
         absent = {key: needed for key, needed in self._asked.items() if key not in self._keys}
         for name, (key, _) in self._keys.items():
             if name not in self._asked:
-                hint = did_you_mean(name[:40], absent)
-                if not hint.startswith("did"):
-                    hint = did_you_mean(name[:40], self._asked)
-                absent = {key: needed for key, needed in absent.items() if f"'{key}'" not in hint}
-                self._reader.refuse(key, f"unknown key {_quoted(name)}", hint=hint)
+                near = did_you_mean(name[:40], absent)
+                known = absent if near.startswith("did") else self._asked
+                absent = {key: needed for key, needed in absent.items() if f"'{key}'" not in near}
+                self._reader.unknown(key, "key", name, known)
         for name, needed in absent.items():
             if needed:
                 self._reader.refuse(self._place, f"the key '{name}' is missing here")
@@ -469,21 +501,21 @@ class _Composer:
     def __init__(self, reader: Reader, text: str) -> None:
         self._reader = reader
         self._events: Iterator[_Event] = yaml.parse(text, Loader=_LOADER)
-        self._anchors: dict[str, tuple[Node, int]] = {}  # with the number of nodes below
+        self._anchors: dict[str, Node] = {}
         self._count = 0
 
     def document(self) -> Node:
         """The one document of the file."""
         try:
             return self._document()
-        except (yaml.YAMLError, ValueError) as error:
+        except (yaml.YAMLError, ValueError, OverflowError) as error:
             self._stop_at(error)
 
     def _document(self) -> Node:
         next(self._events)
         start = next(self._events)
         if isinstance(start, yaml.StreamEndEvent):
-            self._reader.stop(Node(0, 0), "the file is empty")
+            self._reader.stop(Node(0, 0), "the file is empty", hint="is this the file that you meant?")
         if start.version or start.tags:
             self._reader.stop(_mark(start), "directives are not used here")
         root = self._node(next(self._events), 1)
@@ -493,24 +525,22 @@ class _Composer:
         return root
 
     def _node(self, event: _Event, depth: int) -> Node:
-        at, before = _mark(event), self._count
-        if depth > MAX_DEPTH:
-            self._reader.stop(at, f"nested more than {MAX_DEPTH} deep")
+        at = _mark(event)
         if isinstance(event, yaml.AliasEvent):
-            return self._alias(at, str(event.anchor))
+            return self._alias(at, str(event.anchor), depth)
         if event.tag is not None:
             self._reader.stop(at, "tags are not used here", hint="remove the '!' and what belongs to it")
-        self._counted(at, 1)
+        self._count_one(at, depth)
         node: Node
         if isinstance(event, yaml.ScalarEvent):
-            node = Scalar(at.line, at.column, event.value, event.style is None)
+            node = Scalar(at.line, at.column, event.value, not event.style)
         elif isinstance(event, yaml.SequenceStartEvent):
             items = tuple(self._node(each, depth + 1) for each in self._until_end())
             node = Sequence(at.line, at.column, items)
         else:
             node = Mapping(at.line, at.column, tuple(self._entries(depth)))
         if event.anchor:
-            self._anchors[event.anchor] = node, self._count - before
+            self._anchors[event.anchor] = node
         return node
 
     def _until_end(self) -> Iterator[_Event]:
@@ -534,18 +564,26 @@ class _Composer:
             else:
                 yield key, value
 
-    def _alias(self, at: Node, name: str) -> Node:
+    def _alias(self, at: Node, name: str, depth: int) -> Node:
         if name not in self._anchors:
             hint = "an alias stands after its anchor '&', and outside of it; a text with '*' needs quotes"
             self._reader.stop(at, f"the alias {_quoted(name)} repeats nothing", hint=hint)
-        node, size = self._anchors[name]
-        self._counted(at, size)
-        return node
+        self._count_again(at, self._anchors[name], depth)
+        return self._anchors[name]
 
-    def _counted(self, at: Node, size: int) -> None:
-        self._count += size
+    def _count_again(self, at: Node, node: Node, depth: int) -> None:
+        """Count what an alias repeats as if it were written out."""
+        self._count_one(at, depth, hint="an alias counts for all that it repeats")
+        pairs = node.entries if isinstance(node, Mapping) else ()
+        below = node.items if isinstance(node, Sequence) else [each for pair in pairs for each in pair]
+        for each in below:
+            self._count_again(at, each, depth + 1)
+
+    def _count_one(self, at: Node, depth: int, hint: str = "") -> None:
+        self._count += 1
+        if depth > MAX_DEPTH:
+            self._reader.stop(at, f"nested more than {MAX_DEPTH} deep", hint=hint)
         if self._count > MAX_NODES:
-            hint = "aliases count for all that they repeat"
             self._reader.stop(at, f"the file holds more than {MAX_NODES} values", hint=hint)
 
     def _stop_at(self, error: Exception) -> NoReturn:
@@ -553,9 +591,10 @@ class _Composer:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
         problem = str(getattr(error, "problem", None) or error)
         opened = getattr(error, "context_mark", None)
-        hint = next((text for part, text in _SYNTAX_HINTS.items() if part in problem), "")
+        usual = "look at the indentation, and for a missing ':', quote or bracket, here and above"
+        hint = next((text for part, text in _SYNTAX_HINTS.items() if part in problem), usual)
         if opened and mark and opened.line != mark.line:
-            hint = f"{hint or 'look also at what begins there'} (it begins at line {opened.line + 1})"
+            hint = f"{hint} (begins at line {opened.line + 1})"
         at = Node(mark.line + 1, mark.column + 1) if mark else Node(0, 0)
         self._reader.stop(at, f"not YAML: {problem}", hint=hint)
 

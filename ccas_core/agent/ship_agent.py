@@ -21,7 +21,7 @@ import numpy as np
 from ..dmpc import negotiate
 from ..dmpc.local_problem import LocalProblem, Solution
 from ..dmpc.negotiate import Negotiation, Neighbour, Progress
-from ..dmpc.parameters import Settings
+from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity
 from ..frames import FloatArray, NedPose, NedTrajectory
 from ..priority import Opening, PriorityGraph, Settlement, settle
@@ -383,7 +383,9 @@ class ShipAgent:
         horizon, time_step = settings.horizon, settings.kinematics.time_step
         neighbours = []
         for ship, report in sorted({**self._last_reports, **period.reports}.items()):
-            told = period.intentions.get(ship, self._promises.get(ship))
+            told = period.intentions.get(ship)
+            if told is None and settings.expectation is Expectation.LAST_PLAN:
+                told = self._promises.get(ship)
             if told is None:
                 told = self._predictor.predict(report.pose, report.speed, horizon, time_step)
             neighbours.append(Neighbour(report.ship.hull, _resized(told, horizon)))

@@ -98,6 +98,8 @@ def python_source(function: ca.Function) -> str:
         r0[0] = r0_0
     <BLANKLINE>
     """
+    if not function.is_a("SXFunction"):
+        raise NotImplementedError(f"{function.name()} is not made of SX")
     arguments = [f"a{i}" for i in range(function.n_in())] + [f"r{i}" for i in range(function.n_out())]
     inputs = [_elements(function.sparsity_in(i)) for i in range(function.n_in())]
     outputs = [_elements(function.sparsity_out(i)) for i in range(function.n_out())]
@@ -165,7 +167,7 @@ def compiled_module(
 
     parts = [python_source(function) for function in functions]
     parts += [inspect.getsource(routine) for routine in routines]
-    decorator = '@numba.njit(cache=True, nogil=True, error_model="numpy")\n'
+    decorator = '@numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)\n'
     text = _HEADER + "".join(f"{name} = {number!r}\n" for name, number in numbers.items()) + "\n\n"
     text += "\n\n".join(decorator + part for part in parts)
     versions = f"{ca.CasadiMeta.version()} {numba.__version__} {sys.version_info[:2]}\n"
@@ -205,7 +207,7 @@ def _write(path: Path, text: str) -> None:
     """Write in one go, so that another process never reads half a file."""
     with tempfile.NamedTemporaryFile("w", dir=path.parent, encoding="utf-8", delete=False) as file:
         file.write(text)
-    os.replace(file.name, path)
+    Path(file.name).replace(path)
 
 
 @cache

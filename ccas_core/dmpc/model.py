@@ -20,7 +20,7 @@ from .risk import COLUMNS, collision_risk
 
 STATES = 4  # x, y [m], course [rad], last offset [m]
 CONTROLS = 2  # offset u^y [m], speed factor u^s
-_CONSTANTS = (
+CONSTANTS = (
     "speed time_step time_constant course_limit steering_gain K_y K_s mu_1 mu_2 mu_3 r_2 gamma_s gamma_y beta"
 ).split()
 
@@ -42,12 +42,12 @@ class StageModel:
 def stage_model(threats: int) -> StageModel:
     """State the model for a number of threats; made once for each."""
     state, control = ca.SX.sym("state", STATES), ca.SX.sym("control", CONTROLS)
-    constants = ca.SX.sym("constants", len(_CONSTANTS))
-    named = dict(zip(_CONSTANTS, ca.vertsplit(constants), strict=True))
+    constants = ca.SX.sym("constants", len(CONSTANTS))
+    named = dict(zip(CONSTANTS, ca.vertsplit(constants), strict=True))
     x, y, course, last_offset = ca.vertsplit(state)
     offset, speed_factor = ca.vertsplit(control)
 
-    motion = {key: named[key] for key in _CONSTANTS[:5]}
+    motion = {key: named[key] for key in CONSTANTS[:5]}
     sailed = kinematics.step((x, y, course), offset, speed_factor, **motion)
     arguments = (offset, last_offset, speed_factor)
     habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "gamma_s", "gamma_y")}
@@ -70,7 +70,7 @@ def stage_model(threats: int) -> StageModel:
 
     inputs = [state, control, constants]
     return StageModel(
-        constants=len(_CONSTANTS),
+        constants=len(CONSTANTS),
         stage_parameters=6 + COLUMNS * threats,
         dynamics=ca.Function("dynamics", inputs, [ca.vertcat(*sailed, offset)]),
         control_cost=ca.Function("control_cost", inputs, [effort]),
@@ -85,8 +85,8 @@ def constants(problem: LocalProblem) -> FloatArray:
     settings = problem.settings
     values = {"speed": problem.speed, "beta": settings.beta}
     for group in (settings.kinematics, settings.weights):
-        values |= {key: getattr(group, key) for key in _CONSTANTS if hasattr(group, key)}
-    return np.array([values[key] for key in _CONSTANTS])
+        values |= {key: getattr(group, key) for key in CONSTANTS if hasattr(group, key)}
+    return np.array([values[key] for key in CONSTANTS])
 
 
 def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:

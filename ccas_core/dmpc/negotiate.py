@@ -16,7 +16,7 @@ from . import nadmm
 from .local_problem import LocalPlan, LocalProblem, Solution, shifted
 from .model import rollout
 from .outcome import Outcome
-from .parameters import Settings, Start, Wait
+from .parameters import Anchor, Settings, Start, Wait
 from .risk import threat
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
@@ -92,7 +92,7 @@ def begin(situation: Situation) -> Negotiation:
     proximal term of (13b) would hold it for good.
     """
     controls = situation.last_controls
-    if controls is None:
+    if controls is None or situation.settings.anchor is Anchor.NOMINAL:
         controls = _guess(Start.NOMINAL, situation)
     plan = rollout(_problem(situation, ()), controls)
     return Negotiation(situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan)

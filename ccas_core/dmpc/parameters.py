@@ -28,6 +28,20 @@ class RiskShape(StrEnum):
     AXIS_BOUND = "axis_bound"  # as printed: along the own ship's axes
 
 
+class Anchor(StrEnum):
+    """The trajectory that a period's negotiation begins with: p and the broadcast of Algorithm 2's input."""
+
+    LAST = "last"  # the last plan, shifted by a period
+    NOMINAL = "nominal"  # on along the guiding line at nominal speed
+
+
+class Expectation(StrEnum):
+    """What a ship expects of one that has not yet told its intention in this period (steps 6 to 9)."""
+
+    LAST_PLAN = "last_plan"  # its promise of the last period, shifted
+    PREDICTION = "prediction"  # constant velocity
+
+
 class Start(StrEnum):
     """Guesses from which a local problem is solved; the best answer wins, the first on a tie."""
 
@@ -41,12 +55,12 @@ class Start(StrEnum):
 class Weights:
     """Weights of the cost, Eq. (6) to (9).  Costs have no unit."""
 
-    K_ca: float = 900.0  # height of the collision risk
+    K_ca: float = 1500.0  # height of the collision risk
     K_d: float = 5.0  # discount of the risk per step
     K_y: float = 1e-2  # change of offset [1/m^2]
     K_s: float = 2e-2  # change of speed
     mu_1: float = 0.11  # B_1 of the speed factor
-    mu_2: float = 4.16  # B_1 of the offset
+    mu_2: float = 1.0  # B_1 of the offset
     mu_3: float = 0.003  # r_1 of B_2 [1/m]
     r_2: float = 0.0  # r_2 of B_2 [m]
     gamma_s: float = 0.0082  # width of B_1 of the speed factor
@@ -71,7 +85,7 @@ class Kinematics:
     time_step: float = 20.0  # delta T [s]
     time_constant: float = 28.458  # T_1 [s]
     course_limit: float = math.pi / 6.0  # chi_max [rad]
-    steering_gain: float = 0.0092  # K_e [1/m]
+    steering_gain: float = 0.02  # K_e [1/m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +100,9 @@ class Settings:
     beta: float = 3e-4  # penalty [1/m^2]
     relaxation: float = 1.0  # lambda
     wait: Wait = Wait.SEQUENTIAL
-    starts: tuple[Start, ...] = (Start.LAST, Start.NOMINAL, Start.SLOW)
+    starts: tuple[Start, ...] = (Start.LAST,)
+    anchor: Anchor = Anchor.LAST
+    expectation: Expectation = Expectation.LAST_PLAN
 
     def __post_init__(self) -> None:
         if not 0.0 < self.relaxation < 2.0:

@@ -9,6 +9,7 @@ The formulas are those of `model`, translated by `casadi_to_numba`; the loops st
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -23,23 +24,18 @@ from ..frames import FloatArray, PathTrajectory
 from . import riccati_kernel as kernel
 from .casadi_to_numba import compiled_module
 from .local_problem import LocalPlan, LocalProblem, Solution
-from .model import CONTROLS, STATES, constants, stage_model
+from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
 from .risk import COLUMNS
 from .solvers import AbstractLocalSolver
 
-_NUMBERS: Final = {
-    "NEGLIGIBLE": 1e-26,  # of its gain: a risk without derivatives, exp(-60)
-    "FLOOR": 1e-6,  # least eigenvalue of Q_uu
-    "GRADIENT": 1e-9,  # of a solution, projected
-    "DECREASE": 1e-13,  # of the objective, relative, that is not worth another step
-    "SUFFICIENT": 1e-4,  # part of the promised decrease that a step must give
-    "HALVINGS": 12,  # of a step, before the model is shifted
-    "SHIFT_LIMIT": 1e12,
+WIDENING: Final = 10.0  # of B_1, on the way to further answers
+_ENDS: Final = {
+    kernel.CONVERGED: Outcome.CONVERGED,
+    kernel.LIMIT: Outcome.ITERATION_LIMIT,
+    kernel.NOT_FINITE: Outcome.NOT_FINITE,
+    kernel.STALLED: Outcome.FAILED,
 }
-_ITERATIONS: Final = 300
-# What `descend` returns as its third number.
-_ENDS: Final = (Outcome.CONVERGED, Outcome.ITERATION_LIMIT, Outcome.NOT_FINITE, Outcome.FAILED)
 
 
 def stage_functions() -> tuple[ca.Function, ...]:
@@ -53,14 +49,16 @@ def stage_functions() -> tuple[ca.Function, ...]:
     model = stage_model(1)
     state, control = ca.SX.sym("state", STATES), ca.SX.sym("control", CONTROLS)
     fixed = ca.SX.sym("constants", model.constants)
-    slope, bend = ca.SX.sym("V_x", STATES), ca.SX.sym("V_xx", STATES, STATES)
+    slope, table = ca.SX.sym("V_x", STATES), ca.SX.sym("V_xx", STATES, STATES)
     costate = ca.SX.sym("costate", STATES)
-    togo = [slope, bend, costate]
+    togo = [slope, table, costate]
+    bend = _symmetric(table)
     after, effort = model.dynamics(state, control, fixed), model.control_cost(state, control, fixed)
 
     def added(name: str, cost: ca.SX, inputs: list[ca.SX]) -> ca.Function:
         hessian, gradient = ca.hessian(cost, state)
-        return _function(name, [*inputs, *togo], [slope + gradient, bend + hessian, costate + gradient])
+        sums = [slope + gradient, _symmetric(bend + hessian), costate + gradient]
+        return _function(name, [*inputs, *togo], sums)
 
     anchor, threat = ca.SX.sym("anchor", 6), ca.SX.sym("threat", COLUMNS)
     near, danger = model.closeness(state, anchor, fixed), model.risk(state, threat)
@@ -68,7 +66,7 @@ def stage_functions() -> tuple[ca.Function, ...]:
     both = ca.vertcat(state, control)
     by_both = ca.jacobian(after, both)
     curved, effort_by_both = ca.hessian(effort + ca.dot(slope, after), both)
-    Q = curved + by_both.T @ bend @ by_both
+    Q = _symmetric(curved + by_both.T @ bend @ by_both)
     Q_1 = effort_by_both
     exact = ca.gradient(effort + ca.dot(costate, after), both)
     x, u = slice(0, STATES), slice(STATES, STATES + CONTROLS)
@@ -86,22 +84,21 @@ def stage_functions() -> tuple[ca.Function, ...]:
     )
 
 
+def _symmetric(matrix: ca.SX) -> ca.SX:
+    """Take the upper half for both; nothing is then computed twice."""
+    return ca.triu2symm(ca.triu(matrix))
+
+
 def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
     return ca.Function(name, inputs, outputs, {"cse": True})
 
 
 def compiled() -> ModuleType:
     """Compile the solver, or load what an earlier start has compiled."""
-    routines = (
-        kernel.sail,
-        kernel.bounded_step,
-        kernel.convexify,
-        kernel.find_step,
-        kernel.descend,
-        kernel.descend_all,
-    )
+    routines = [each for each in vars(kernel).values() if inspect.isfunction(each)]
+    numbers = {name: each for name, each in vars(kernel).items() if type(each) in (int, float)}
     try:
-        return compiled_module(stage_functions(), routines, _NUMBERS)
+        return compiled_module(stage_functions(), routines, numbers)
     except ImportError as error:
         raise InputError(
             Diagnostic(
@@ -112,57 +109,70 @@ def compiled() -> ModuleType:
         ) from error
 
 
+def _widening() -> FloatArray:
+    """Factors of the constants that widen B_1."""
+    return np.array([WIDENING if name in {"gamma_s", "gamma_y"} else 1.0 for name in CONSTANTS])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Riccati(AbstractLocalSolver):
     """Differential dynamic programming with control limits, for any horizon and number of threats."""
 
     name: str = "riccati"
     loops: ModuleType = field(default_factory=compiled, init=False, repr=False)
+    widening: FloatArray = field(default_factory=_widening, init=False, repr=False)
 
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
         """Minimise from one guess of the controls, (N, 2)."""
         return self.solve_all(problem, [guess])[0]
 
     def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
-        """Minimise from several guesses in one call; the first of equally good answers wins."""
-        return self.choose(self.solve_all(problem, guesses))
+        """Minimise from several guesses in one call; the first of equally good answers wins.
 
-    def solve_all(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> list[Solution]:
-        """Minimise from several guesses; one solution for each, which take equal parts of the time."""
+        The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So each guess
+        is followed a second time by way of a problem whose B_1 is `WIDENING` times wider; answers
+        found so come after all others, and win if they are better.
+        """
+        return self.choose(self.solve_all(problem, guesses, widen=True))
+
+    def solve_all(
+        self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
+    ) -> list[Solution]:
+        """Minimise from each guess, and once more from each if `widen`; each took its part of the time."""
         began = time.perf_counter()
         starts = np.array(list(guesses), dtype=np.float64)
         horizon = problem.settings.horizon
         if starts.shape[1:] != (horizon, CONTROLS):
             raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {starts.shape[1:]}")
+        answers = len(starts) * (2 if widen else 1)
         low, high = np.zeros((horizon, CONTROLS)), np.ones((horizon, CONTROLS))
         low[:, 0], high[:, 0] = problem.offset_limits[:, 0], problem.offset_limits[:, 1]
         initial = problem.initial
-        controls = np.empty_like(starts)
-        states = np.empty((len(starts), horizon + 1, STATES))
-        ends = np.empty((len(starts), 3))
-        self.loops.descend_all(
-            np.array([initial.x, initial.y, initial.course, problem.last_offset], dtype=np.float64),
-            starts,
-            low,
-            high,
-            constants(problem),
-            np.hstack([problem.multiplier[1:], problem.broadcast.poses[1:]]),
-            problem.threats,
-            _ITERATIONS,
-            controls,
-            states,
-            ends,
+        task = kernel.Task(
+            start=np.array([initial.x, initial.y, initial.course, problem.last_offset], dtype=np.float64),
+            low=low,
+            high=high,
+            constants=constants(problem),
+            anchors=np.hstack([problem.multiplier[1:], problem.broadcast.poses[1:]]),
+            threats=problem.threats,
         )
+        controls = np.empty((answers, horizon, CONTROLS))
+        states = np.empty((answers, horizon + 1, STATES))
+        ends = np.empty((answers, 3))
+        widened = task._replace(constants=task.constants * self.widening)
+        self.loops.descend_all(task, widened, starts, controls, states, ends)
         possible = bool(np.all(low <= high))
-        seconds = (time.perf_counter() - began) / len(starts)
-        return [
-            Solution(
-                plan=LocalPlan(controls=controls[m], trajectory=PathTrajectory(states[m, :, :3])),
-                objective=float(ends[m, 0]),
-                outcome=_ENDS[int(ends[m, 2])] if possible else Outcome.INFEASIBLE,
-                iterations=int(ends[m, 1]),
-                seconds=seconds,
-                message="",
+        seconds = (time.perf_counter() - began) / answers
+        solutions = []
+        for plan, path, (value, iterations, end) in zip(controls, states, ends, strict=True):
+            outcome = _ENDS[int(end)] if possible else Outcome.INFEASIBLE
+            solutions.append(
+                Solution(
+                    plan=LocalPlan(controls=plan, trajectory=PathTrajectory(path[:, :3])),
+                    objective=float(value),
+                    outcome=outcome,
+                    iterations=int(iterations),
+                    seconds=seconds,
+                )
             )
-            for m in range(len(starts))
-        ]
+        return solutions

@@ -2,67 +2,107 @@
 
 These functions are the text of compiled ones: `riccati` hands them to `casadi_to_numba`, together
 with the functions of a stage that they call, which are made from `model`.  They use numbers,
-arrays and `math` only.  Notation: Q and V are the value of a stage with and before its control,
-`_x` and `_u` their derivatives; `low` and `high` are (N, 2).
+arrays and `math` only.  Notation: Q and V are the cost to go of a stage with and before its control,
+`_x` and `_u` their derivatives; H is Q_uu as it is used.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from ..frames import FloatArray
 
+# How a descent ends; the other numbers of `NUMBERS` are tolerances.
+CONVERGED: Final = 0
+LIMIT: Final = 1
+NOT_FINITE: Final = 2
+STALLED: Final = 3
+
+ITERATIONS: Final = 300  # of a descent
+HALVINGS: Final = 12  # of a step, before the model is shifted
+SUFFICIENT: Final = 1e-4  # part of the promised decrease that a step must give
+GRADIENT: Final = 1e-9  # of a solution, projected
+ROUGH_GRADIENT: Final = 1e-5  # the same, where rounding lets no step descend any more
+DECREASE: Final = 1e-13  # of the objective, relative, for which another step is not worth while
+ROUGH_DECREASE: Final = 1e-3  # the same, of the widened problem
+BETTER: Final = 1e-9  # relative difference above which two objectives differ
+ALIKE: Final = 1e-4  # the same, of the widened problem, which is solved roughly
+FLOOR: Final = 1e-6  # least eigenvalue of Q_uu
+SMALL_SHIFT: Final = 1e-2  # of Q_uu
+GREATEST_SHIFT: Final = 1e12
+SADDLE: Final = 1e-6  # eigenvalue of Q_uu below which an answer is not a minimum
+NUDGE: Final = 1e-2  # by which a saddle is left: to starboard [m], and slower
+NEGLIGIBLE: Final = 1e-26  # of its gain: a risk without derivatives, exp(-60)
+
+
+class Task(NamedTuple):
+    """A local problem as arrays."""
+
+    start: FloatArray  # (4,)
+    low: FloatArray  # of the controls, (N, 2)
+    high: FloatArray  # (N, 2)
+    constants: FloatArray
+    anchors: FloatArray  # z and p~ of the stages 1 ... N, (N, 6)
+    threats: FloatArray  # (n, N, 6)
+
+
 if TYPE_CHECKING:
     # The functions of a stage; each writes into its last arguments.
-    def advance(
-        state: FloatArray, control: FloatArray, constants: FloatArray, after: FloatArray, cost: FloatArray
-    ) -> None: ...
-    def closeness(state: FloatArray, anchor: FloatArray, constants: FloatArray, cost: FloatArray) -> None: ...
-    def risk(state: FloatArray, threat: FloatArray, cost: FloatArray) -> None: ...
+    def advance(state: FloatArray, control: FloatArray, constants: FloatArray, *out: FloatArray) -> None:
+        """Write the next state, and the cost of the control."""
+
+    def closeness(state: FloatArray, anchor: FloatArray, constants: FloatArray, cost: FloatArray) -> None:
+        """Write <z, p - p~> + beta/2 |p - p~|^2."""
+
+    def risk(state: FloatArray, threat: FloatArray, cost: FloatArray) -> None:
+        """Write the risk of one threat."""
+
     def add_closeness(
-        state: FloatArray, anchor: FloatArray, constants: FloatArray,
-        V_x: FloatArray, V_xx: FloatArray, costate: FloatArray,
-        sum_x: FloatArray, sum_xx: FloatArray, sum_costate: FloatArray,
-    ) -> None: ...
-    def add_risk(
-        state: FloatArray, threat: FloatArray, V_x: FloatArray, V_xx: FloatArray, costate: FloatArray,
-        sum_x: FloatArray, sum_xx: FloatArray, sum_costate: FloatArray,
-    ) -> None: ...
-    def expand(
-        state: FloatArray, control: FloatArray, constants: FloatArray,
-        V_x: FloatArray, V_xx: FloatArray, costate: FloatArray,
-        Q_x: FloatArray, Q_u: FloatArray, Q_xx: FloatArray, Q_ux: FloatArray, Q_uu: FloatArray,
-        before: FloatArray, gradient: FloatArray,
-    ) -> None: ...
+        state: FloatArray, anchor: FloatArray, constants: FloatArray, *to_go: FloatArray
+    ) -> None:
+        """Write V_x, V_xx and costate, which come first, with the derivatives of `closeness` added."""
+
+    def add_risk(state: FloatArray, threat: FloatArray, *to_go: FloatArray) -> None:
+        """Write V_x, V_xx and costate, which come first, with the derivatives of `risk` added."""
+
+    def expand(state: FloatArray, control: FloatArray, constants: FloatArray, *to_go: FloatArray) -> None:
+        """From V_x, V_xx, costate: write Q_x, Q_u, Q_xx, Q_ux, Q_uu, costate before, gradient."""
 
 
 def sail(
-    controls: FloatArray, states: FloatArray, step: FloatArray, gain: FloatArray, length: float,
-    low: FloatArray, high: FloatArray, constants: FloatArray, anchors: FloatArray, threats: FloatArray,
-    new_controls: FloatArray, new_states: FloatArray, scratch: FloatArray,
+    task: Task,
+    controls: FloatArray,
+    states: FloatArray,
+    step: FloatArray,
+    gain: FloatArray,
+    length: float,
+    new_controls: FloatArray,
+    new_states: FloatArray,
+    scratch: FloatArray,
 ) -> float:
     """Sail `controls` changed by `length` steps and the feedback, within bounds; return the cost."""
     total = 0.0
-    new_states[0, :] = states[0, :]
+    for j in range(4):
+        new_states[0, j] = states[0, j]
     for k in range(len(controls)):
         for i in range(2):
             value = controls[k, i] + length * step[k, i]
             for j in range(4):
                 value += gain[k, i, j] * (new_states[k, j] - states[k, j])
-            if value < low[k, i]:
-                value = low[k, i]
-            elif value > high[k, i]:
-                value = high[k, i]
+            if value < task.low[k, i]:
+                value = task.low[k, i]
+            elif value > task.high[k, i]:
+                value = task.high[k, i]
             new_controls[k, i] = value
-        advance(new_states[k], new_controls[k], constants, new_states[k + 1], scratch)
+        advance(new_states[k], new_controls[k], task.constants, new_states[k + 1], scratch)
         total += scratch[0]
-        closeness(new_states[k + 1], anchors[k], constants, scratch)
+        closeness(new_states[k + 1], task.anchors[k], task.constants, scratch)
         total += scratch[0]
-        for n in range(len(threats)):
-            risk(new_states[k + 1], threats[n, k], scratch)
+        for n in range(len(task.threats)):
+            risk(new_states[k + 1], task.threats[n, k], scratch)
             total += scratch[0]
     return total
 
@@ -85,7 +125,9 @@ def bounded_step(
         for side in range(2):
             fixed = high[i] if side == 1 else low[i]
             other = min(max(-(g[j] + H[0, 1] * fixed) / H[j, j], low[j]), high[j])
-            value = fixed * (g[i] + 0.5 * H[i, i] * fixed + H[0, 1] * other) + other * (g[j] + 0.5 * H[j, j] * other)
+            value = fixed * (g[i] + 0.5 * H[i, i] * fixed + H[0, 1] * other) + other * (
+                g[j] + 0.5 * H[j, j] * other
+            )
             if value < least:
                 least = value
                 step[i], step[j] = fixed, other
@@ -123,9 +165,13 @@ def convexify(H: FloatArray, free: FloatArray, shift: float, floor: float) -> fl
 
 
 def find_step(
-    controls: FloatArray, states: FloatArray, shift: float,
-    low: FloatArray, high: FloatArray, constants: FloatArray, anchors: FloatArray, threats: FloatArray,
-    step: FloatArray, gain: FloatArray, report: FloatArray,
+    task: Task,
+    controls: FloatArray,
+    states: FloatArray,
+    shift: float,
+    step: FloatArray,
+    gain: FloatArray,
+    report: FloatArray,
 ) -> None:
     """Sweep back over the stages: step and feedback of each control.
 
@@ -133,23 +179,42 @@ def find_step(
     gradient, and the least eigenvalue of Q_uu that was met.
     """
     V_x, V_xx, costate = np.zeros(4), np.zeros((4, 4)), np.zeros(4)
-    Q_x, Q_u, Q_xx, Q_ux, Q_uu = np.empty(4), np.empty(2), np.empty((4, 4)), np.empty((2, 4)), np.empty((2, 2))
+    Q_x, Q_u, Q_xx, Q_ux, Q_uu = (
+        np.empty(4),
+        np.empty(2),
+        np.empty((4, 4)),
+        np.empty((2, 4)),
+        np.empty((2, 2)),
+    )
     before, gradient, cost = np.empty(4), np.empty(2), np.empty(1)
     H, free, down, up = np.empty((2, 2)), np.empty(2), np.empty(2), np.empty(2)
-    report[:] = 0.0
+    report[0] = report[1] = report[2] = 0.0
     report[3] = math.inf
     for k in range(len(controls) - 1, -1, -1):
-        add_closeness(states[k + 1], anchors[k], constants, V_x, V_xx, costate, V_x, V_xx, costate)
-        for n in range(len(threats)):
-            risk(states[k + 1], threats[n, k], cost)
-            if not cost[0] < threats[n, k, 5] * NEGLIGIBLE:
-                add_risk(states[k + 1], threats[n, k], V_x, V_xx, costate, V_x, V_xx, costate)
+        add_closeness(states[k + 1], task.anchors[k], task.constants, V_x, V_xx, costate, V_x, V_xx, costate)
+        for n in range(len(task.threats)):
+            risk(states[k + 1], task.threats[n, k], cost)
+            if not cost[0] < task.threats[n, k, 5] * NEGLIGIBLE:
+                add_risk(states[k + 1], task.threats[n, k], V_x, V_xx, costate, V_x, V_xx, costate)
         expand(
-            states[k], controls[k], constants, V_x, V_xx, costate, Q_x, Q_u, Q_xx, Q_ux, Q_uu, before, gradient
+            states[k],
+            controls[k],
+            task.constants,
+            V_x,
+            V_xx,
+            costate,
+            Q_x,
+            Q_u,
+            Q_xx,
+            Q_ux,
+            Q_uu,
+            before,
+            gradient,
         )
-        costate[:] = before
+        for j in range(4):
+            costate[j] = before[j]
         for i in range(2):
-            down[i], up[i] = low[k, i] - controls[k, i], high[k, i] - controls[k, i]
+            down[i], up[i] = task.low[k, i] - controls[k, i], task.high[k, i] - controls[k, i]
             held = (down[i] >= 0.0 and Q_u[i] >= 0.0) or (up[i] <= 0.0 and Q_u[i] <= 0.0)
             free[i] = 0.0 if held else 1.0
             inward = min(max(-gradient[i], down[i]), up[i])
@@ -177,72 +242,148 @@ def find_step(
                 a, b = gain[k, 0, i], gain[k, 1, i]
                 V_xx[i, j] = (
                     Q_xx[i, j]
-                    + a * (H[0, 0] * p + H[0, 1] * q) + b * (H[0, 1] * p + H[1, 1] * q)
-                    + a * Q_ux[0, j] + b * Q_ux[1, j] + Q_ux[0, i] * p + Q_ux[1, i] * q
+                    + a * (H[0, 0] * p + H[0, 1] * q)
+                    + b * (H[0, 1] * p + H[1, 1] * q)
+                    + a * Q_ux[0, j]
+                    + b * Q_ux[1, j]
+                    + Q_ux[0, i] * p
+                    + Q_ux[1, i] * q
                 )
                 V_xx[j, i] = V_xx[i, j]
 
 
-def descend(
-    start: FloatArray, guess: FloatArray, low: FloatArray, high: FloatArray,
-    constants: FloatArray, anchors: FloatArray, threats: FloatArray,
-    max_iterations: int, controls: FloatArray, states: FloatArray,
-) -> tuple[float, int, int]:
-    """Minimise from one guess; return cost, iterations and the place of the outcome in `ENDS`.
+def copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy a table; quicker to compile than an assignment of slices."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
 
-    The best plan found is left in `controls` (N, 2) and `states` (N + 1, 4) whatever the end.
+
+def settle(
+    task: Task,
+    guess: FloatArray,
+    decrease: float,
+    controls: FloatArray,
+    states: FloatArray,
+    report: FloatArray,
+) -> tuple[float, int, int]:
+    """Minimise from one guess; return cost, iterations and the place of the outcome among the ends.
+
+    The best plan found is left in `controls` (N, 2) and `states` (N + 1, 4), whatever the end;
+    `report` is that of the last `find_step`.
     """
     horizon = len(guess)
-    step, gain, report = np.zeros((horizon, 2)), np.zeros((horizon, 2, 4)), np.zeros(4)
+    step, gain = np.zeros((horizon, 2)), np.zeros((horizon, 2, 4))
     new_controls, new_states, scratch = np.empty((horizon, 2)), np.empty((horizon + 1, 4)), np.empty(1)
-    states[:] = 0.0
-    states[0, :] = start
-    value = sail(
-        guess, states, step, gain, 0.0, low, high, constants, anchors, threats, controls, new_states, scratch
-    )
-    states[:] = new_states
+    for k in range(horizon + 1):
+        for j in range(4):
+            states[k, j] = task.start[j]  # any number will do after the first: the gains are still zero
+    value = sail(task, guess, states, step, gain, 0.0, controls, new_states, scratch)
+    copy(new_states, states)
     if not math.isfinite(value):
-        return value, 0, 2
+        return value, 0, NOT_FINITE
     shift = 0.0
-    for iteration in range(max_iterations):
-        find_step(controls, states, shift, low, high, constants, anchors, threats, step, gain, report)
-        expected = -(report[0] + 0.5 * report[1])
-        if not math.isfinite(expected):
-            return value, iteration, 2
-        flat = expected <= DECREASE * max(1.0, abs(value)) and shift < 1.0
+    for iteration in range(ITERATIONS):
+        find_step(task, controls, states, shift, step, gain, report)
+        promised = -(report[0] + 0.5 * report[1])
+        if not math.isfinite(promised):
+            return value, iteration, NOT_FINITE
+        flat = promised <= decrease * max(1.0, abs(value)) and shift <= SMALL_SHIFT
         if report[2] <= GRADIENT or flat:
-            return value, iteration, 0
-        length, accepted = 1.0, False
+            return value, iteration, CONVERGED
+        length = 1.0
         for _ in range(HALVINGS):
             new_value = sail(
-                controls, states, step, gain, length, low, high, constants, anchors, threats,
-                new_controls, new_states, scratch,
+                task,
+                controls,
+                states,
+                step,
+                gain,
+                length,
+                new_controls,
+                new_states,
+                scratch,
             )
-            model = -length * (report[0] + 0.5 * length * report[1])
-            if value - new_value >= SUFFICIENT * model:
-                accepted = True
+            if value - new_value >= -SUFFICIENT * length * (report[0] + 0.5 * length * report[1]):
                 break
             length *= 0.5
-        if accepted:
-            value = new_value
-            controls[:] = new_controls
-            states[:] = new_states
-            shift = shift * 0.1 if shift > 1e-6 and length == 1.0 else (shift if shift > 1e-6 else 0.0)
-        else:
-            shift = max(10.0 * shift, 1e-2)
-            if shift > SHIFT_LIMIT:
-                return value, iteration, 3
-    return value, max_iterations, 1
+        else:  # no such step descends; in the end it is so short that rounding decides
+            shift = max(10.0 * shift, SMALL_SHIFT)
+            if shift > GREATEST_SHIFT:
+                return value, iteration, CONVERGED if report[2] <= ROUGH_GRADIENT else STALLED
+            continue
+        value = new_value
+        copy(new_controls, controls)
+        copy(new_states, states)
+        if length == 1.0:
+            shift = 0.1 * shift if shift > SMALL_SHIFT else 0.0
+    return value, ITERATIONS, LIMIT
+
+
+def descend(
+    task: Task,
+    guess: FloatArray,
+    decrease: float,
+    controls: FloatArray,
+    states: FloatArray,
+) -> tuple[float, int, int]:
+    """As `settle`; and where that ends on a saddle, as between two equal ways to pass, leave it."""
+    report = np.zeros(4)
+    trial, new_controls, new_states = np.empty_like(controls), np.empty_like(controls), np.empty_like(states)
+    copy(guess, trial)
+    value, iterations, end = math.inf, 0, STALLED
+    for attempt in range(2):  # a loop, for one place of the call is quicker to compile than two
+        new_value, more, new_end = settle(task, trial, decrease, new_controls, new_states, report)
+        iterations += more
+        better = new_end == CONVERGED and new_value < value - BETTER * max(1.0, abs(value))
+        if attempt == 0 or better:
+            value, end = new_value, new_end
+            copy(new_controls, controls)
+            copy(new_states, states)
+        if end != CONVERGED or report[3] >= -SADDLE:
+            break
+        for k in range(len(trial)):
+            trial[k, 0], trial[k, 1] = controls[k, 0] + NUDGE, controls[k, 1] - NUDGE
+    return value, iterations, end
 
 
 def descend_all(
-    start: FloatArray, guesses: FloatArray, low: FloatArray, high: FloatArray,
-    constants: FloatArray, anchors: FloatArray, threats: FloatArray,
-    max_iterations: int, controls: FloatArray, states: FloatArray, ends: FloatArray,
+    task: Task,
+    widened: Task,
+    guesses: FloatArray,
+    controls: FloatArray,
+    states: FloatArray,
+    ends: FloatArray,
 ) -> None:
-    """Minimise from guesses (m, N, 2); rows of `ends` are as `descend` returns them."""
-    for m in range(len(guesses)):
-        value, iterations, end = descend(
-            start, guesses[m], low, high, constants, anchors, threats, max_iterations, controls[m], states[m]
-        )
+    """Minimise from guesses (m, N, 2); a row of `ends` is what `descend` returns.
+
+    Where there is room for 2 m answers, the latter m are found by way of the `widened` problem;
+    those whose way joins that of an earlier one are not repeated, and get a copy of its answer.
+    """
+    count = len(guesses)
+    ways, near = np.empty(count), np.empty_like(guesses[0])
+    for m in range(len(ends)):
+        guess, iterations = guesses[m % count], 0
+        for leg in range(0 if m >= count else 1, 2):
+            value, more, end = descend(
+                task if leg == 1 else widened,
+                guess,
+                DECREASE if leg == 1 else ROUGH_DECREASE,
+                controls[m],
+                states[m],
+            )
+            iterations += more
+            if leg == 0:
+                copy(controls[m], near)
+                guess = near
+                ways[m - count] = value
+                known = -1
+                for n in range(m - count - 1, -1, -1):
+                    if abs(ways[n] - value) <= ALIKE * max(1.0, abs(value)):
+                        known = count + n
+                if known >= 0:
+                    copy(controls[known], controls[m])
+                    copy(states[known], states[m])
+                    value, end = ends[known, 0], int(ends[known, 2])
+                    break
         ends[m, 0], ends[m, 1], ends[m, 2] = value, iterations, end

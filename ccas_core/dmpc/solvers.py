@@ -287,7 +287,9 @@ def _riccati() -> AbstractLocalSolver:
 
 
 SOLVERS: Final[dict[str, Callable[[], AbstractLocalSolver]]] = {
-    "fatrop": Fatrop, "ipopt": Ipopt, "riccati": _riccati,
+    "fatrop": Fatrop,
+    "ipopt": Ipopt,
+    "riccati": _riccati,
 }
 DEFAULT_SOLVER: Final = "fatrop"
 

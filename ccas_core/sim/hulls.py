@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from ..frames import FloatArray, PathFrame, PathPose, frozen_array
 from ..ships import Ship, ShipId
 from ..waterway import Obstacle
-from .frame import Frame
+from .frame import Frame, ShipFrame
 
 if TYPE_CHECKING:
     from shapely import Geometry
@@ -57,23 +56,34 @@ class Track:
         return np.column_stack([north, east, self.poses[row, 2]])
 
 
-def track(ship: Ship, line: PathFrame, frames: Iterable[Frame]) -> Track:
-    """Track of a ship through frames in which it is under way.
+def under_way(frame: Frame) -> dict[ShipId, ShipFrame]:
+    """Ships of a frame that have not arrived."""
+    return {id_: ship for id_, ship in frame.ships.items() if id_ not in frame.arrived}
 
-    From its last frame to its arrival it is taken to sail beside its guiding line, at its last offset.
+
+def track(ship: Ship, line: PathFrame, frames: Iterable[Frame]) -> Track:
+    """Track of a ship through frames in which it is under way, up to its arrival.
+
+    Where no frame shows it past the end of its route, it is taken to sail there beside its guiding line.
     """
-    rows, arrival, offset = [], -math.inf, 0.0
+    rows: list[tuple[float, float, float, float]] = []
+    offset = 0.0
     for frame in frames:
-        arrival = frame.arrived.get(ship.id, arrival)
-        if ship.id in frame.ships:
-            now = frame.ships[ship.id]
+        now = frame.ships.get(ship.id)
+        if ship.id not in frame.arrived and now is not None:
             rows.append((frame.time, now.pose.x, now.pose.y, now.pose.course))
             offset = now.path_y
+        elif ship.id in frame.arrived and rows:
+            arrival, last = frame.arrived[ship.id], rows[-1]
+            end, share = line.to_ned(PathPose(line.length, offset, 0.0)), 1.0
+            if now is not None:
+                end, share = now.pose, (arrival - last[0]) / (frame.time - last[0])
+            if arrival > last[0]:
+                north, east = last[1] + share * (end.x - last[1]), last[2] + share * (end.y - last[2])
+                rows.append((arrival, north, east, end.course))
+            break
     if not rows:
         raise ValueError(f"ship {ship.id!r} is under way in none of the frames")
-    if arrival > rows[-1][0]:
-        end = line.to_ned(PathPose(line.length, offset, 0.0))
-        rows.append((arrival, end.x, end.y, end.course))
     table = np.array(rows)
     return Track(ship=ship, times=table[:, 0], poses=table[:, 1:])
 
@@ -142,20 +152,37 @@ def meetings(tracks: Sequence[Track]) -> tuple[Meeting, ...]:
     Other pairs are left out by their centre distances alone, so that many ships are cheap.  The least
     clearance of every ship is exact.
     """
-    near = {}
-    for one, other in combinations(range(len(tracks)), 2):
-        nearness = _Nearness.of(tracks[one], tracks[other])
-        if nearness is not None:
-            near[one, other] = nearness
-    least = [math.inf] * len(tracks)
-    for pair, nearness in near.items():
-        for ship in pair:
-            least[ship] = min(least[ship], nearness.at_most)
-    return tuple(
-        nearness.look(tracks[one], tracks[other])
-        for (one, other), nearness in near.items()
-        if nearness.within_reach or nearness.at_least <= max(least[one], least[other])
-    )
+    near = ((tracks[one], tracks[other]) for one, other in _worth_a_look(tracks))
+    return tuple(met for one, other in near if (met := meeting(one, other)))
+
+
+def _worth_a_look(tracks: Sequence[Track]) -> list[tuple[int, int]]:
+    """Pairs that can matter, by the distances of the centres at all rows of all tracks."""
+    if len(tracks) < 2:
+        return []
+    times = np.unique(np.concatenate([each.times for each in tracks]))
+    centres = np.stack([each.at(times)[:, :2] for each in tracks])
+    for each, centre in zip(tracks, centres, strict=True):
+        centre[(times < each.times[0]) | (times > each.times[-1])] = np.nan
+    apart = [np.hypot(*np.moveaxis(centres - own, 2, 0)) for own in centres]
+    nearest = np.array([np.where(np.isnan(each), np.inf, each).min(axis=1) for each in apart])
+    np.fill_diagonal(nearest, np.inf)
+    steps = np.hypot(*np.moveaxis(np.diff(centres, axis=1), 2, 0))
+    step = np.where(np.isnan(steps), 0.0, steps).max(axis=1, initial=0.0)
+    hull = [each.ship.hull for each in tracks]
+    radius = np.array([_radius(each.length, each.beam) for each in hull])
+    area = np.array([_radius(each.safety_length, each.safety_beam) for each in hull])
+    inner = np.array([min(each.length, each.beam) / 2.0 for each in hull])
+    between = nearest - _sums(step) / 2.0  # no less than this, also between two rows
+    best = np.maximum(nearest - _sums(inner), 0.0).min(axis=1)
+    for_entry = between <= _sums(np.maximum(area, radius))
+    for_clearance = between - _sums(radius) <= np.maximum(best[:, None], best)
+    worth = np.isfinite(nearest) & (for_entry | for_clearance)
+    return [(int(one), int(other)) for one, other in np.argwhere(np.triu(worth))]
+
+
+def _sums(each: FloatArray) -> FloatArray:
+    return each[:, None] + each
 
 
 def is_grounded(sailed: Track, banks: Geometry) -> bool:
@@ -189,8 +216,7 @@ class _Nearness:
 
     knots: FloatArray  # (K,): rows of either track while both are under way [s]
     least: FloatArray  # (max(K - 1, 1),): least centre distance between two knots [m]
-    at_least: float  # bounds of the least clearance [m]
-    at_most: float
+    at_most: float  # bound of the least clearance [m]
     hull_reach: float  # no contact of hulls beyond this centre distance [m]
     safety_reach: float  # no entry beyond it [m]
 
@@ -212,16 +238,10 @@ class _Nearness:
         return cls(
             knots=knots,
             least=least,
-            at_least=max(0.0, float(least.min()) - sum(radii)),
             at_most=max(0.0, float(np.hypot(apart[:, 0], apart[:, 1]).min()) - inner),
             hull_reach=sum(radii),
             safety_reach=max(radii[0] + areas[1], areas[0] + radii[1]),
         )
-
-    @property
-    def within_reach(self) -> bool:
-        """Whether an entry or a collision is possible."""
-        return bool(self.least.min() <= max(self.safety_reach, self.hull_reach))
 
     def look(self, one: Track, other: Track) -> Meeting:
         """Draw the hulls where it matters."""

@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..frames import FloatArray, NedPose, NedTrajectory, PathFrame, PathTrajectory
 from ..priority import Opening, PriorityGraph, Settlement
@@ -33,6 +34,7 @@ from .hulls import (
     meetings,
     obstacles_struck,
     track,
+    under_way,
 )
 from .scenario import Plan, Scenario
 
@@ -107,15 +109,24 @@ def safety_indices(
     epsilon_i = min_j max(|x_ii - x_ji| - d_x, |y_ii - y_ji| - d_y) in {w_i}, with d_x and d_y half the
     length and width of the safety area (51.5 m and 8.6 m in the paper).
     """
-    table = NedTrajectory(np.array([[p.x, p.y, p.course] for p in poses.values()]).reshape(-1, 3))
-    indices: dict[ShipId, float | None] = {}
-    for row, id_ in enumerate(poses):
-        seen = lines[id_].trajectory_to_path(table).poses
-        hull = ships[id_].hull
-        away = np.abs(np.delete(seen, row, axis=0) - seen[row])
-        beside = np.maximum(away[:, 0] - hull.safety_length / 2.0, away[:, 1] - hull.safety_beam / 2.0)
-        indices[id_] = float(beside.min()) if len(beside) else None
-    return indices
+    table = np.array([[pose.x, pose.y, pose.course] for pose in poses.values()]).reshape(-1, 3)
+    whose, when = np.arange(len(poses)), np.zeros(len(poses), dtype=np.intp)
+    return {
+        id_: _least_index(ships[id_], lines[id_], whose == row, when, table) for row, id_ in enumerate(poses)
+    }
+
+
+def _least_index(
+    ship: Ship, line: PathFrame, own: NDArray[np.bool_], when: NDArray[np.intp], poses: FloatArray
+) -> float | None:
+    """Least index of the `own` rows among rows of poses (m, 3); `when` tells the instants apart."""
+    seen = line.trajectory_to_path(NedTrajectory(poses)).poses[:, :2]
+    here = np.full((int(when.max(initial=0)) + 1, 2), np.nan)
+    here[when[own]] = seen[own]
+    away = np.abs(seen - here[when])
+    beside = np.maximum(away[:, 0] - ship.hull.safety_length / 2.0, away[:, 1] - ship.hull.safety_beam / 2.0)
+    beside = beside[~own & ~np.isnan(beside)]
+    return float(beside.min()) if len(beside) else None
 
 
 def arrivals(frames: Sequence[Frame]) -> dict[ShipId, float]:
@@ -128,22 +139,21 @@ def ship_metrics(
 ) -> dict[ShipId, ShipMetrics]:
     """Every ship's voyage in numbers."""
     arrived = arrivals(frames)
-    ships = {plan.ship.id: plan.ship for plan in scenario.ships}
-    indices = [
-        safety_indices({id_: ship.pose for id_, ship in frame.ships.items()}, ships, lines)
-        for frame in frames
-    ]
+    rows = [(k, id_, ship.pose) for k, frame in enumerate(frames) for id_, ship in under_way(frame).items()]
+    when = np.array([k for k, _, _ in rows], dtype=np.intp)
+    poses = np.array([[pose.x, pose.y, pose.course] for _, _, pose in rows]).reshape(-1, 3)
     metrics = {}
     for plan in scenario.ships:
         id_ = plan.ship.id
-        sailed = [frame.ships[id_] for frame in frames if id_ in frame.ships]
+        own = np.array([each == id_ for _, each, _ in rows], dtype=np.bool_)
+        sailed = list(_rows(frames, id_))
         delay = None
         if id_ in arrived:
             left = lines[id_].length - lines[id_].to_path(plan.start).x
             delay = arrived[id_] - frames[0].time - left / plan.speed
         metrics[id_] = ShipMetrics(
             min_clearance=_least(each.clearance for each in met if id_ in each.pair),
-            min_safety_index=_least(at.get(id_) for at in indices),
+            min_safety_index=_least_index(plan.ship, lines[id_], own, when, poses),
             max_offset_change=max((abs(ship.offset) for ship in sailed), default=0.0),
             min_speed_factor=min((ship.speed_factor for ship in sailed), default=1.0),
             delay=delay,
@@ -254,7 +264,7 @@ def _faithful(
     since = frames[encounter.begin :]
     in_force = {id_: _in_force(plans[id_], frames, encounter.begin) for id_ in encounter.ships}
     tcpa = _tcpa(*((since[0].ships[id_].pose, in_force[id_].speed) for id_ in encounter.ships))
-    if not 0.0 < tcpa < math.inf:  # where a line bends, courses may part and the ships still meet
+    if tcpa <= 0.0:  # where a line bends, courses may part and the ships still meet
         tcpa = undisturbed.time - since[0].time
     early = [frame for frame in since if frame.time < since[0].time + tcpa / 2.0]
     if not all(any(_acts(ship, in_force[id_]) for ship in _rows(early, id_)) for id_ in encounter.give_way):
@@ -269,7 +279,7 @@ def _faithful(
 
 
 def _rows(frames: Iterable[Frame], id_: ShipId) -> Iterator[ShipFrame]:
-    return (frame.ships[id_] for frame in frames if id_ in frame.ships)
+    return (ships[id_] for frame in frames if id_ in (ships := under_way(frame)))
 
 
 def _acts(ship: ShipFrame, before: _InForce) -> bool:
@@ -295,7 +305,8 @@ def _along(course: float) -> FloatArray:
 
 def _past_and_clear(one: Track, other: Track, frames: Sequence[Frame]) -> int:
     """Index of the frame at which hulls separate and clearance has grown for two periods."""
-    times = np.array([f.time for f in frames if one.ship.id in f.ships and other.ship.id in f.ships])
+    pair = {one.ship.id, other.ship.id}
+    times = np.array([frame.time for frame in frames if pair <= under_way(frame).keys()])
     apart = (other.at(times) - one.at(times))[:, :2]
     growing = (np.diff(clearances(one, other, times)) > 0.0) & (np.diff(np.hypot(*apart.T)) > 0.0)
     clear = np.flatnonzero(growing[1:] & growing[:-1])
@@ -326,7 +337,7 @@ def deadlocks(frames: Sequence[Frame], masses: Mapping[ShipId, float]) -> tuple[
     for frame in frames:
         rings = PriorityGraph(masses=masses, settlements=frame.settlements).cycles() if frame.openings else ()
         now: dict[tuple[ShipId, ...], list[Opening]] = {}
-        for opening in frame.openings:
+        for opening in dict.fromkeys(frame.openings):  # each of the ships may tell it
             ends = tuple(sorted((opening.edge.first, opening.edge.then)))
             ring = next((ring for ring in rings if set(ends) <= set(ring)), ends)
             now.setdefault(ring, []).append(opening)
@@ -344,9 +355,9 @@ def summary(scenario: Scenario, frames: Sequence[Frame], solver: str) -> dict[st
     if not frames:
         raise ValueError("a voyage without frames has no summary")
     lines = guiding_frames(scenario)
-    under_way = {id_ for frame in frames for id_ in frame.ships}
+    sailing = {id_ for frame in frames for id_ in under_way(frame)}
     ships = [plan.ship for plan in scenario.ships]
-    sailed = [track(ship, lines[ship.id], frames) for ship in ships if ship.id in under_way]
+    sailed = [track(ship, lines[ship.id], frames) for ship in ships if ship.id in sailing]
     masses = {ship.id: ship.mass for ship in ships}
     met = meetings(sailed)
     metrics = ship_metrics(scenario, frames, lines, met)
@@ -411,10 +422,15 @@ def _deadlock_entry(deadlock: Deadlock) -> dict[str, object]:
 
 def _switches(frames: Sequence[Frame]) -> Iterator[dict[str, object]]:
     for before, after in pairwise(frames):
-        for id_ in sorted(before.ships.keys() & after.ships.keys()):
-            old, new = before.ships[id_].ruleset, after.ships[id_].ruleset
-            if old != new:
-                yield {"ship": id_, "time_s": after.time, "from": old, "to": new}
+        old, new = under_way(before), under_way(after)
+        for id_ in sorted(old.keys() & new.keys()):
+            if old[id_].ruleset != new[id_].ruleset:
+                yield {
+                    "ship": id_,
+                    "time_s": after.time,
+                    "from": old[id_].ruleset,
+                    "to": new[id_].ruleset,
+                }
 
 
 def _update_ms(frames: Sequence[Frame]) -> dict[str, float | None]:

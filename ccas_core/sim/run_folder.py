@@ -21,6 +21,7 @@ from ..priority import Edge, Settlement
 from ..ships import ShipId
 from ..verdict import Verdict
 from .frame import Frame
+from .hulls import under_way
 from .metrics import guiding_frames, is_met, plain, safety_indices
 from .scenario import Scenario
 
@@ -145,9 +146,10 @@ class RunWriter:
         return self._files
 
     def _rows(self, frame: Frame) -> Iterator[tuple[str, ...]]:
-        poses = {id_: ship.pose for id_, ship in frame.ships.items()}
+        ships = under_way(frame)
+        poses = {id_: ship.pose for id_, ship in ships.items()}
         indices = safety_indices(poses, self._ships, self._lines)
-        for id_, ship in sorted(frame.ships.items()):
+        for id_, ship in sorted(ships.items()):
             index = indices[id_]
             yield (
                 _fixed(frame.time, 3),
@@ -168,7 +170,7 @@ class RunWriter:
                 yield decision(settlement, frame)
         settled = {each.pair for each in frame.settlements}
         met = {each.pair for each in frame.settlements if is_met(each)}
-        self._met = {pair for pair in self._met - settled if frame.ships.keys() >= set(pair)} | met
+        self._met = {pair for pair in self._met - settled if under_way(frame).keys() >= set(pair)} | met
 
 
 def decision(settlement: Settlement, frame: Frame) -> dict[str, object]:
@@ -184,7 +186,7 @@ def decision(settlement: Settlement, frame: Frame) -> dict[str, object]:
         "edge": edge and {"first": edge.first, "then": edge.then, "kind": edge.kind},
         "opened": [
             (opening.edge.first, opening.edge.then, opening.criterion)
-            for opening in frame.openings
+            for opening in dict.fromkeys(frame.openings)
             if _joins(opening.edge, settlement)
         ],
     }

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 
-from .. import strict_yaml as yaml
+from .. import strict_yaml
 from ..dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
-from ..errors import ScenarioError, did_you_mean
-from ..frames import NedPose
-from ..ships import SAFETY_BEAM_FACTOR, UNKNOWN, Facts, FactValue, Hull, Ship, ShipId
+from ..errors import ScenarioError
+from ..frames import FloatArray, NedPose
+from ..ships import UNKNOWN, Facts, FactValue, Hull, Ship, ShipId
 from ..strict_yaml import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME, Node, Range, Reader, written
 from ..units import DEGREE, KILOMETRE, wrap
 from ..waterway import GuidingLine, Leg, Obstacle, Region, Towards, Waters, Waterway, guiding_line
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 SCHEMA: Final = "ccas/scenario@1"
 
-_POSITIVE: Final = Range(above=0.0, at_most=1e10)
-_NOT_NEGATIVE: Final = Range(at_least=0.0, at_most=1e10)
+_POSITIVE: Final = Range(above=0.0)
+_NOT_NEGATIVE: Final = Range(at_least=0.0)
 _SPEED: Final = Range(above=0.0, at_most=30.0)
 _OFFSET: Final = Range(at_least=-1000.0, at_most=1000.0)
 _COURSE: Final = Range(at_least=-360.0 * DEGREE, at_most=360.0 * DEGREE)
@@ -56,35 +56,31 @@ def load_scenario(path: str | Path, rulesets: Collection[str] | None = None) -> 
     ScenarioError
         With all that is wrong, each with its place.
     """
-    return parse_scenario(yaml.read_text(path, ScenarioError), str(path), rulesets)
+    return parse_scenario(strict_yaml.read_text(path, ScenarioError), str(path), rulesets)
 
 
-def parse_scenario(
-    text: str, source: str = "scenario", rulesets: Collection[str] | None = None
-) -> Scenario:
+def parse_scenario(text: str, source: str = "scenario", rulesets: Collection[str] | None = None) -> Scenario:
     """Read the text of a scenario file; `source` is what findings call it.  See `load_scenario`."""
     reader = Reader(text, source, ScenarioError)
     root = reader.document(SCHEMA)
     plane = _Plane(reader)
-    labels = {key: node and reader.text(node) for key in ("title", "description") for node in [root.find(key)]}
-    name = reader.text(root.require("name"))
+    title, description = root.find("title"), root.find("description")
     time_step, duration = _time(reader, root.require("time"))
     waters, known = _waters(reader, root.require("waters"), plane, rulesets)
-    ships = _ships(reader, root.require("ships"), plane, waters, known)
-    control, bus = _control(reader, root.find("control")), _bus(reader, root.find("bus"))
-    root.done()
-    reader.finish()
-    return Scenario(
-        name=name,
-        waters=waters,
-        ships=ships,
+    scenario = Scenario(
+        name=reader.text(root.require("name")),
+        title=reader.text(title) if title else "",
+        description=reader.text(description) if description else "",
         time_step=time_step,
         duration=duration,
-        control=control,
-        bus=bus,
-        title=labels["title"] or "",
-        description=labels["description"] or "",
+        waters=waters,
+        ships=_ships(reader, root.require("ships"), plane, waters, known),
+        control=_control(reader, root.find("control")),
+        bus=_bus(reader, root.find("bus")),
     )
+    root.done()
+    reader.finish()
+    return scenario
 
 
 def _time(reader: Reader, node: Node) -> tuple[float, float]:
@@ -118,7 +114,7 @@ def _waters(
 def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> str:
     ruleset = reader.text(node)
     if ruleset and rulesets is not None and ruleset not in rulesets:
-        reader.refuse(node, f"unknown ruleset '{ruleset}'", hint=did_you_mean(ruleset, rulesets))
+        reader.unknown(node, "ruleset", ruleset, rulesets)
     return ruleset
 
 
@@ -137,7 +133,8 @@ def _waterway(reader: Reader, node: Node, plane: _Plane, ids: dict[str, Node]) -
 def _centreline(reader: Reader, node: Node, plane: _Plane) -> list[_Point]:
     points = plane.points(node, 2)
     courses = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(points)]
-    for place, (before, after) in zip(reader.items(node)[1:], pairwise(courses), strict=False):
+    places = node.items[1:] if isinstance(node, strict_yaml.Sequence) else ()
+    for place, (before, after) in zip(places, pairwise(courses), strict=False):
         if abs(wrap(after - before)) > _SHARPEST_BEND:
             reader.refuse(place, "the centreline turns back here", hint="begin another waterway instead")
     return points
@@ -187,8 +184,8 @@ def _plan(
         if (stated := block.find(key)) is not None:
             size[key] = reader.number(stated, LENGTH, _POSITIVE)
     mass = reader.number(block.require("weight"), MASS, _POSITIVE)
-    legs = reader.items(route := block.require("route"), 1, _MAX_LEGS)
-    route = [_leg(reader, each, known) for each in legs]
+    legs = reader.items(block.require("route"), 1, _MAX_LEGS)
+    route = tuple(_leg(reader, each, known) for each in legs)
     north, east = plane.point(at := block.require("start"))
     towards = block.find("course")
     course = reader.number(towards, ANGLE, _COURSE) if towards else None
@@ -198,14 +195,14 @@ def _plan(
         return None
     start = _start(reader, at, NedPose(north, east, 0.0), course, line, waters.waterway(route[0].waterway))
     ship = Ship(id=ShipId(id_), hull=Hull(**size), mass=mass, facts=facts)
-    return Plan(ship=ship, route=tuple(route), start=start, speed=speed)
+    return Plan(ship=ship, route=route, start=start, speed=speed)
 
 
 def _leg(reader: Reader, node: Node, known: Collection[str]) -> Leg:
     block = reader.block(node)
     waterway = reader.text(along := block.require("waterway"))
     if waterway and waterway not in known:
-        reader.refuse(along, f"unknown waterway '{waterway}'", hint=did_you_mean(waterway, known))
+        reader.unknown(along, "waterway", waterway, known)
     towards = reader.choice(block.require("towards"), (Towards.START, Towards.END))
     offset = reader.number(block.optional("offset", "0 m"), LENGTH, _OFFSET)
     block.done()
@@ -219,7 +216,7 @@ def _line(reader: Reader, places: Sequence[Node], route: Sequence[Leg], waters: 
     line = None
     for count, place in enumerate(places, start=1):
         try:
-            with np.errstate(all="raise"):
+            with np.errstate(divide="raise", invalid="raise", over="raise"):
                 line = guiding_line(waters, route[:count])
         except (ValueError, FloatingPointError) as error:
             hint = "a route goes over to the next waterway where the guiding lines cross"
@@ -240,8 +237,13 @@ def _start(
         reader.refuse(place, f"the ship starts outside its first waterway '{first.id}'", hint=hint)
     elif along >= line.frame.length:
         reader.refuse(place, "the ship starts past the end of its route", hint="is 'towards' the other end?")
-    angle = (line.frame.course_at(along) if course is None else course) % (2.0 * math.pi)
-    return NedPose(start.x, start.y, wrap(ANGLE.keep(angle)))
+    angle = line.frame.course_at(along) if course is None else course
+    return NedPose(start.x, start.y, wrap(_full_circle(angle)))
+
+
+def _full_circle(angle: float) -> float:
+    """An angle as files write courses: from north clockwise, at least 0 and below 360 deg."""
+    return ANGLE.keep(angle % math.tau) % math.tau
 
 
 def _facts(reader: Reader, node: Node | None) -> Facts:
@@ -249,14 +251,8 @@ def _facts(reader: Reader, node: Node | None) -> Facts:
 
 
 def _fact(reader: Reader, node: Node) -> FactValue:
-    text = reader.text(node)
-    value = node.value if isinstance(node, yaml.Scalar) else text
-    if text == UNKNOWN.value:
-        return UNKNOWN
-    if not isinstance(value, str):
-        return reader.finite(node)
-    *_, unit = text.split(" ")
-    ...
+    value = reader.value(node)
+    return UNKNOWN if value == UNKNOWN.value else value
 
 
 def _control(reader: Reader, node: Node | None) -> ControlChoice:
@@ -280,7 +276,7 @@ def _parameters(reader: Reader, node: Node | None) -> dict[str, float]:
     values = {}
     for key, value in reader.entries(node):
         if (parameter := PARAMETERS.get(key.text)) is None:
-            reader.refuse(key, f"unknown parameter '{key.text}'", hint=did_you_mean(key.text, PARAMETERS))
+            reader.unknown(key, "parameter", key.text, PARAMETERS)
             continue
         bounds = Range(at_least=parameter.low, at_most=parameter.high)
         values[key.text] = reader.number(value, QUANTITY_OF[parameter.unit], bounds)
@@ -319,7 +315,7 @@ class _Plane:
 
     def point(self, node: Node) -> _Point:
         """A position as north and east [m]."""
-        if not isinstance(node, yaml.Mapping):
+        if not isinstance(node, strict_yaml.Mapping):
             east, north = self._pair(node, "[east, north]", LENGTH, (_COORDINATE, _COORDINATE))
             return north, east
         block = self._reader.block(node)
@@ -327,7 +323,9 @@ class _Plane:
         lon, lat = self._pair(block.require("lonlat"), "lonlat", NUMBER, bounds)
         return self._projected(node, lon, lat) if block.done() else (math.nan, math.nan)
 
-    def _pair(self, node: Node, kind: str, quantity: yaml.Quantity, bounds: tuple[Range, Range]) -> _Point:
+    def _pair(
+        self, node: Node, kind: str, quantity: strict_yaml.Quantity, bounds: tuple[Range, Range]
+    ) -> _Point:
         hint = "a position is [east, north] in metres, or {lonlat: [longitude, latitude]}"
         items = self._reader.items(node, 2, 2, hint=hint)
         if len(items) != 2:
@@ -345,7 +343,7 @@ class _Plane:
 
     def _projected(self, node: Node, lon: float, lat: float) -> _Point:
         if self._projection is None:
-            self._projection = _projection(self._reader, node, lon, lat)
+            self._projection = _projection(lon, lat)
         east, north = self._projection.transform(lon, lat)
         if not math.hypot(east, north) < _FARTHEST:
             hint = "lonlat is [longitude, latitude], in this order"
@@ -354,11 +352,9 @@ class _Plane:
         return LENGTH.keep(north), LENGTH.keep(east)
 
 
-def _projection(reader: Reader, node: Node, lon: float, lat: float) -> Transformer:
-    try:
-        from pyproj import Transformer
-    except ImportError:
-        reader.stop(node, "lonlat positions need the package pyproj", hint="pip install pyproj")
+def _projection(lon: float, lat: float) -> Transformer:
+    from pyproj import Transformer
+
     plane = f"+proj=aeqd +lon_0={lon} +lat_0={lat} +datum=WGS84 +units=m"
     return Transformer.from_crs("EPSG:4326", plane, always_xy=True)
 
@@ -397,3 +393,98 @@ def dump_scenario(scenario: Scenario) -> str:
         },
     }
     return "\n".join(_lines(tree)) + "\n"
+
+
+def _waters_tree(waters: Waters) -> dict[str, _Tree]:
+    tree: dict[str, _Tree] = {"ruleset": written(waters.ruleset)}
+    if waters.regions:
+        tree["regions"] = [
+            {"id": written(each.id), "ruleset": written(each.ruleset), "polygon": _points(each.polygon)}
+            for each in waters.regions
+        ]
+    tree["waterways"] = [
+        {
+            "id": written(each.id),
+            "centreline": _points(each.centreline),
+            "width": LENGTH.write(each.width),
+            "upstream": each.upstream,
+            **_facts_tree(each.facts),
+        }
+        for each in waters.waterways
+    ]
+    if waters.obstacles:
+        tree["obstacles"] = [
+            {"id": written(each.id), "at": _position(each.x, each.y), "radius": LENGTH.write(each.radius)}
+            for each in waters.obstacles
+        ]
+    return tree
+
+
+def _plan_tree(plan: Plan) -> dict[str, _Tree]:
+    hull = plan.ship.hull
+    usual = Hull(length=hull.length, beam=hull.beam)
+    safety = {
+        key: LENGTH.write(getattr(hull, key))
+        for key in ("safety_length", "safety_beam")
+        if getattr(hull, key) != getattr(usual, key)
+    }
+    return {
+        "id": written(plan.ship.id),
+        "length": LENGTH.write(hull.length),
+        "beam": LENGTH.write(hull.beam),
+        **safety,
+        "weight": MASS.write(plan.ship.mass),
+        "route": [
+            {"waterway": written(leg.waterway), "towards": leg.towards, "offset": LENGTH.write(leg.offset)}
+            for leg in plan.route
+        ],
+        "start": _position(plan.start.x, plan.start.y),
+        "course": ANGLE.write(_full_circle(plan.start.course)),
+        "speed": SPEED.write(plan.speed),
+        **_facts_tree(plan.ship.facts),
+    }
+
+
+def _facts_tree(facts: Facts) -> dict[str, _Tree]:
+    return {"facts": {written(name): _fact_text(value) for name, value in facts.items()}} if facts else {}
+
+
+def _fact_text(value: FactValue) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return repr(float(value))
+    return value.value if value is UNKNOWN else written(value) if isinstance(value, str) else str(value)
+
+
+def _points(points: FloatArray) -> list[_Tree]:
+    return [_position(north, east) for north, east in points]
+
+
+def _position(north: float, east: float) -> list[_Tree]:
+    return [NUMBER.write(east), NUMBER.write(north)]
+
+
+def _lines(tree: Mapping[str, _Tree] | Sequence[_Tree], width: int = _WIDTH) -> Iterator[str]:
+    """Lines in block style; what fits on a line is in flow style."""
+    pairs = tree.items() if isinstance(tree, Mapping) else (("-", each) for each in tree)
+    for key, value in pairs:
+        lead = "- " if key == "-" else f"{key}: "
+        flow = lead + _flow(value)
+        if isinstance(value, str) or len(flow) <= width:
+            yield flow
+        elif key == "-":
+            first, *rest = _lines(value, width - 2)
+            yield lead + first
+            yield from ("  " + line for line in rest)
+        else:
+            yield lead.rstrip()
+            yield from ("  " + line for line in _lines(value, width - 2))
+
+
+def _flow(tree: _Tree) -> str:
+    if isinstance(tree, str):
+        return tree
+    if isinstance(tree, Mapping):
+        return "{" + ", ".join(f"{key}: {_flow(value)}" for key, value in tree.items()) + "}"
+    return "[" + ", ".join(_flow(each) for each in tree) + "]"

@@ -66,7 +66,8 @@ def voyage(
         finished = {id_ for id_, ship in ships.items() if ship.pose.x >= ship.line.frame.length}
         under_way = {id_: ship for id_, ship in ships.items() if id_ not in finished}
         sensed = {
-            id_: Sensed(index, ship.line.frame.to_ned(ship.pose), ship.speed) for id_, ship in under_way.items()
+            id_: Sensed(index, ship.line.frame.to_ned(ship.pose), ship.speed)
+            for id_, ship in under_way.items()
         }
         agents = {id_: ship.agent for id_, ship in under_way.items()}
         log = run_period(agents, bus, solver, sensed, time)
@@ -80,7 +81,7 @@ def voyage(
             for id_, decision in log.decisions.items()
         }
         yield _frame(index, time, ships, commands, log, arrived)
-        if not under_way or index >= limit:
+        if index >= limit or not (under_way or time < scenario.duration):
             return
         moved = {}
         for id_, ship in under_way.items():

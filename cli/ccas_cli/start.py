@@ -1,0 +1,61 @@
+"""How the ships of a scenario judge one another at its start: what `graph` and `explain` show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+
+from ccas_core.priority import PriorityGraph, Settlement, settle
+from ccas_core.ships import ShipId
+from ccas_core.sim.scenario import Scenario
+from ccas_core.tapd.assign import judged
+from ccas_core.tapd.ruleset import AbstractRuleset, Situation
+from ccas_core.verdict import Kind
+from ccas_core.waterway import guiding_line
+from ccas_core.world import ShipReport, World
+
+
+def world_at_start(scenario: Scenario) -> World:
+    """Chart and reports of all ships, before any of them has moved."""
+    reports = {}
+    for plan in scenario.ships:
+        line = guiding_line(scenario.waters, plan.route)
+        leg = line.leg_at(line.frame.to_path(plan.start).x)
+        reports[plan.ship.id] = ShipReport(
+            ship=plan.ship,
+            pose=plan.start,
+            speed=plan.speed,
+            waterway=leg.waterway,
+            towards=leg.towards,
+            ruleset=scenario.waters.ruleset_at(plan.start),
+        )
+    return World(time=0.0, waters=scenario.waters, reports=reports)
+
+
+def settlements_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) -> tuple[Settlement, ...]:
+    """Settle every pair, also those that do not meet; each ship judges by the ruleset where it is."""
+    situation = Situation(world=world)
+    masses = masses_of(world)
+
+    def views(own: ShipId, other: ShipId) -> Settlement:
+        ruleset, theirs = (rulesets[world.reports[ship].ruleset] for ship in (own, other))
+        mine, answer = judged(ruleset, situation, own, other), judged(theirs, situation, other, own)
+        return settle(mine, answer, masses)
+
+    return tuple(views(own, other) for own, other in combinations(sorted(world.reports), 2))
+
+
+def graph_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) -> PriorityGraph:
+    """Priority graph that the ships make of their verdicts."""
+    met = (each for each in settlements_at_start(world, rulesets) if meets(each))
+    return PriorityGraph(masses=masses_of(world), settlements=tuple(met))
+
+
+def meets(settlement: Settlement) -> bool:
+    """Whether one of the two ships sees an encounter."""
+    return (settlement.one.kind, settlement.other.kind) != (Kind.NONE, Kind.NONE)
+
+
+def masses_of(world: World) -> dict[ShipId, float]:
+    """Displacement of every ship [kg]."""
+    return {id_: report.ship.mass for id_, report in world.reports.items()}

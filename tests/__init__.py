@@ -1,0 +1,1 @@
+"""Tests of CCAS; the folders mirror the packages."""
