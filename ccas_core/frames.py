@@ -125,8 +125,13 @@ class PathFrame:
 
     def to_path(self, pose: NedPose) -> PathPose:
         """Read a pose of {n} in this frame; the course comes back in (-pi, pi]."""
-        x, y, course = self._into(np.array([[pose.x, pose.y, pose.course]]))[0]
-        return PathPose(float(x), float(y), wrap(float(course)))
+        if len(self._courses) > 1:
+            x, y, course = map(float, self._into(np.array([[pose.x, pose.y, pose.course]]))[0])
+            return PathPose(x, y, wrap(course))
+        (x0, y0), (cos, sin) = self.vertices[0].tolist(), self._tangents[0].tolist()
+        away_x, away_y = pose.x - x0, pose.y - y0
+        course = pose.course - float(self._courses[0])
+        return PathPose(away_x * cos + away_y * sin, away_y * cos - away_x * sin, wrap(course))
 
     def to_ned(self, pose: PathPose) -> NedPose:
         """Read a pose of this frame in {n}; the course comes back in (-pi, pi]."""

@@ -107,61 +107,49 @@ def sail(
     return total
 
 
-def bounded_step(
-    H: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, free: FloatArray, step: FloatArray
-) -> None:
-    """Minimise g'd + d'Hd/2 over a box that holds 0, H positive definite; clear `free` at its sides."""
-    for i in range(2):
-        if free[i] == 0.0:
-            low[i] = high[i] = 0.0
-    determinant = H[0, 0] * H[1, 1] - H[0, 1] * H[0, 1]
-    step[0] = (H[0, 1] * g[1] - H[1, 1] * g[0]) / determinant
-    step[1] = (H[0, 1] * g[0] - H[0, 0] * g[1]) / determinant
-    if low[0] < step[0] < high[0] and low[1] < step[1] < high[1]:
-        return
-    least = math.inf
-    for i in range(2):  # else the minimum lies on one of four sides
-        j = 1 - i
-        for side in range(2):
-            fixed = high[i] if side == 1 else low[i]
-            other = min(max(-(g[j] + H[0, 1] * fixed) / H[j, j], low[j]), high[j])
-            value = fixed * (g[i] + 0.5 * H[i, i] * fixed + H[0, 1] * other) + other * (
-                g[j] + 0.5 * H[j, j] * other
-            )
-            if value < least:
-                least = value
-                step[i], step[j] = fixed, other
-    for i in range(2):
-        if step[i] <= low[i] or step[i] >= high[i]:
-            free[i] = 0.0
+def convexify(a: float, b: float, c: float, free: tuple[bool, bool]) -> tuple[float, float, float, float]:
+    """Make H = [[a, b], [b, c]] positive definite where it is free; its least eigenvalue comes last.
 
-
-def convexify(H: FloatArray, free: FloatArray, shift: float, floor: float) -> float:
-    """Turn H positive definite on its free part, and add `shift`; return its least eigenvalue before."""
-    least = math.inf
-    if free[0] != 0.0 and free[1] != 0.0:
-        mean, half = 0.5 * (H[0, 0] + H[1, 1]), 0.5 * (H[0, 0] - H[1, 1])
-        radius = math.sqrt(half * half + H[0, 1] * H[0, 1])
+    An eigenvalue below zero changes its sign, so that the step leaves a saddle at Newton's pace.
+    """
+    if free[0] and free[1]:
+        mean, half = 0.5 * (a + c), 0.5 * (a - c)
+        radius = math.sqrt(half * half + b * b)
         least = mean - radius
-        if least < floor:
-            # H = mean + radius R with R a reflection; new eigenvalues, same R
-            a, b = max(abs(mean + radius), floor), max(abs(least), floor)
-            stretch = (a - b) / (2.0 * radius) if radius > 0.0 else 0.0
-            H[0, 0] = 0.5 * (a + b) + stretch * half
-            H[1, 1] = 0.5 * (a + b) - stretch * half
-            H[0, 1] *= stretch
-            H[1, 0] = H[0, 1]
-    else:
-        for i in range(2):
-            if free[i] != 0.0:
-                least = H[i, i]
-                H[i, i] = max(abs(H[i, i]), floor)
-            else:
-                H[i, i] = 1.0
-        H[0, 1] = H[1, 0] = 0.0
-    H[0, 0] += shift
-    H[1, 1] += shift
-    return least
+        if least < FLOOR:
+            great, small = max(abs(mean + radius), FLOOR), max(abs(least), FLOOR)
+            stretch = 0.5 * (great - small) / radius if radius > 0.0 else 0.0
+            centre = 0.5 * (great + small)
+            a, b, c = centre + stretch * half, stretch * b, centre - stretch * half
+        return a, b, c, least
+    if free[0]:
+        return max(abs(a), FLOOR), 0.0, 1.0, a
+    if free[1]:
+        return 1.0, 0.0, max(abs(c), FLOOR), c
+    return 1.0, 0.0, 1.0, math.inf
+
+
+def bounded_step(
+    a: float, b: float, c: float, g: float, h: float, box: tuple[float, float, float, float]
+) -> tuple[float, float]:
+    """Minimise g s + h t + (a s^2 + 2 b s t + c t^2) / 2 over a box, low and high of s, then of t."""
+    low_s, high_s, low_t, high_t = box
+    determinant = a * c - b * b
+    s, t = (b * h - c * g) / determinant, (b * g - a * h) / determinant
+    if low_s < s < high_s and low_t < t < high_t:
+        return s, t
+    least = math.inf
+    for side in range(4):  # else the minimum lies on one of four sides
+        if side < 2:
+            p = low_s if side == 0 else high_s
+            q = min(max(-(h + b * p) / c, low_t), high_t)
+        else:
+            q = low_t if side == 2 else high_t
+            p = min(max(-(g + b * q) / a, low_s), high_s)
+        value = g * p + h * q + 0.5 * (a * p * p + c * q * q) + b * p * q
+        if value < least:
+            least, s, t = value, p, q
+    return s, t
 
 
 def find_step(
@@ -179,77 +167,58 @@ def find_step(
     gradient, and the least eigenvalue of Q_uu that was met.
     """
     V_x, V_xx, costate = np.zeros(4), np.zeros((4, 4)), np.zeros(4)
-    Q_x, Q_u, Q_xx, Q_ux, Q_uu = (
-        np.empty(4),
-        np.empty(2),
-        np.empty((4, 4)),
-        np.empty((2, 4)),
-        np.empty((2, 2)),
-    )
-    before, gradient, cost = np.empty(4), np.empty(2), np.empty(1)
-    H, free, down, up = np.empty((2, 2)), np.empty(2), np.empty(2), np.empty(2)
-    report[0] = report[1] = report[2] = 0.0
-    report[3] = math.inf
+    Q_x, Q_u, before, gradient, cost = np.empty(4), np.empty(2), np.empty(4), np.empty(2), np.empty(1)
+    Q_xx, Q_ux, Q_uu = np.empty((4, 4)), np.empty((2, 4)), np.empty((2, 2))
+    slope, curvature, steepest, lowest = 0.0, 0.0, 0.0, math.inf
     for k in range(len(controls) - 1, -1, -1):
-        add_closeness(states[k + 1], task.anchors[k], task.constants, V_x, V_xx, costate, V_x, V_xx, costate)
+        state, after = states[k], states[k + 1]
+        add_closeness(after, task.anchors[k], task.constants, V_x, V_xx, costate, V_x, V_xx, costate)
         for n in range(len(task.threats)):
-            risk(states[k + 1], task.threats[n, k], cost)
+            risk(after, task.threats[n, k], cost)
             if not cost[0] < task.threats[n, k, 5] * NEGLIGIBLE:
-                add_risk(states[k + 1], task.threats[n, k], V_x, V_xx, costate, V_x, V_xx, costate)
+                add_risk(after, task.threats[n, k], V_x, V_xx, costate, V_x, V_xx, costate)
         expand(
-            states[k],
-            controls[k],
-            task.constants,
-            V_x,
-            V_xx,
-            costate,
-            Q_x,
-            Q_u,
-            Q_xx,
-            Q_ux,
-            Q_uu,
-            before,
-            gradient,
-        )
+            state, controls[k], task.constants, V_x, V_xx, costate,
+            Q_x, Q_u, Q_xx, Q_ux, Q_uu, before, gradient,
+        )  # fmt: skip
+        g, h = Q_u[0], Q_u[1]
+        low_s, high_s = task.low[k, 0] - controls[k, 0], task.high[k, 0] - controls[k, 0]
+        low_t, high_t = task.low[k, 1] - controls[k, 1], task.high[k, 1] - controls[k, 1]
+        steepest = max(steepest, abs(min(max(-gradient[0], low_s), high_s)))
+        steepest = max(steepest, abs(min(max(-gradient[1], low_t), high_t)))
+
+        # A control whose bound holds it back takes no part.
+        free_s = not ((low_s >= 0.0 and g >= 0.0) or (high_s <= 0.0 and g <= 0.0))
+        free_t = not ((low_t >= 0.0 and h >= 0.0) or (high_t <= 0.0 and h <= 0.0))
+        a, b, c, least = convexify(Q_uu[0, 0], Q_uu[0, 1], Q_uu[1, 1], (free_s, free_t))
+        a, c = a + shift, c + shift
+        lowest = min(lowest, least)
+        if not free_s:
+            low_s = high_s = 0.0
+        if not free_t:
+            low_t = high_t = 0.0
+        s, t = bounded_step(a, b, c, g, h, (low_s, high_s, low_t, high_t))
+        step[k, 0], step[k, 1] = s, t
+        slope += g * s + h * t
+        curvature += a * s * s + 2.0 * b * s * t + c * t * t
+
+        # Feedback is left to controls that do not end at a bound.  With the same H in step, feedback
+        # and V, all steps together are Newton's on a convex model: they descend.
+        free_s, free_t = low_s < s < high_s, low_t < t < high_t
+        if free_s and free_t:
+            determinant = a * c - b * b
+            a, b, c = -c / determinant, b / determinant, -a / determinant
+        else:
+            a, b, c = -1.0 / a if free_s else 0.0, 0.0, -1.0 / c if free_t else 0.0
+        for j in range(4):
+            gain[k, 0, j] = a * Q_ux[0, j] + b * Q_ux[1, j]
+            gain[k, 1, j] = b * Q_ux[0, j] + c * Q_ux[1, j]
         for j in range(4):
             costate[j] = before[j]
-        for i in range(2):
-            down[i], up[i] = task.low[k, i] - controls[k, i], task.high[k, i] - controls[k, i]
-            held = (down[i] >= 0.0 and Q_u[i] >= 0.0) or (up[i] <= 0.0 and Q_u[i] <= 0.0)
-            free[i] = 0.0 if held else 1.0
-            inward = min(max(-gradient[i], down[i]), up[i])
-            report[2] = max(report[2], abs(inward))
-            H[i, 0], H[i, 1] = Q_uu[i, 0], Q_uu[i, 1]
-        report[3] = min(report[3], convexify(H, free, shift, FLOOR))
-        bounded_step(H, Q_u, down, up, free, step[k])
-        determinant = H[0, 0] * H[1, 1] - H[0, 1] * H[0, 1]
-        for j in range(4):
-            if free[0] != 0.0 and free[1] != 0.0:
-                gain[k, 0, j] = (H[0, 1] * Q_ux[1, j] - H[1, 1] * Q_ux[0, j]) / determinant
-                gain[k, 1, j] = (H[0, 1] * Q_ux[0, j] - H[0, 0] * Q_ux[1, j]) / determinant
-            else:
-                gain[k, 0, j] = -Q_ux[0, j] / H[0, 0] if free[0] != 0.0 else 0.0
-                gain[k, 1, j] = -Q_ux[1, j] / H[1, 1] if free[1] != 0.0 else 0.0
-        # The shifted H stands here too: the step is then that of Newton on a convex model, and descends.
-        s, t = step[k, 0], step[k, 1]
-        bend_s, bend_t = H[0, 0] * s + H[0, 1] * t, H[0, 1] * s + H[1, 1] * t
-        report[0] += Q_u[0] * s + Q_u[1] * t
-        report[1] += bend_s * s + bend_t * t
-        for j in range(4):
-            p, q = gain[k, 0, j], gain[k, 1, j]
-            V_x[j] = Q_x[j] + p * (Q_u[0] + bend_s) + q * (Q_u[1] + bend_t) + Q_ux[0, j] * s + Q_ux[1, j] * t
-            for i in range(j + 1):
-                a, b = gain[k, 0, i], gain[k, 1, i]
-                V_xx[i, j] = (
-                    Q_xx[i, j]
-                    + a * (H[0, 0] * p + H[0, 1] * q)
-                    + b * (H[0, 1] * p + H[1, 1] * q)
-                    + a * Q_ux[0, j]
-                    + b * Q_ux[1, j]
-                    + Q_ux[0, i] * p
-                    + Q_ux[1, i] * q
-                )
-                V_xx[j, i] = V_xx[i, j]
+            V_x[j] = Q_x[j] + Q_ux[0, j] * s + Q_ux[1, j] * t
+            for i in range(j + 1):  # `expand` reads the upper half only
+                V_xx[i, j] = Q_xx[i, j] + Q_ux[0, i] * gain[k, 0, j] + Q_ux[1, i] * gain[k, 1, j]
+    report[0], report[1], report[2], report[3] = slope, curvature, steepest, lowest
 
 
 def copy(source: FloatArray, target: FloatArray) -> None:

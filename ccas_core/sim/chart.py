@@ -26,6 +26,7 @@ COLOURS: Final = ("#0072B2", "#009E73", "#CC3311", "#8E44AD", "#E69F00", "#33333
 DASHES: Final = ((), (4.0, 3.0), (5.5, 2.0, 1.0, 2.0), (1.5, 1.2), (7.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 NARROW: Final = 6.0  # ratio of the extents from which the shorter one is stretched
 SQUARE: Final = 0.9  # ratio to which a nearly square part is widened
+LEAST_VIEW: Final = 300.0  # extent that is shown at least [m]
 _LEAD: Final = 6.0  # of the first instant before the closest approach, in hull lengths sailed
 _REACHED: Final = 5.0  # excess over the least distance that counts as the closest approach [m]
 _NO_ROOM: Final = 1e3  # cost of a label over another one, or outside
@@ -202,19 +203,28 @@ def points(
         if ship.id in involved or not involved:
             poses = np.vstack([ship.at(time) for time in times] or [np.empty((0, 3))])
             found.append(shapely.get_coordinates(safety_rectangles(ship.track.ship, poses)))
+            found.append(np.vstack([bow_arrow(ship, pose) for pose in poses] or [np.empty((0, 2))]))
             found.append(ship.between(min(times, default=0.0), max(times, default=0.0))[:, :2])
     if not any(map(len, found)):
         found = [np.array([[plan.start.x, plan.start.y] for plan in scenario.ships])]
     return np.vstack(found)
 
 
+def bow_arrow(ship: Sailed, pose: FloatArray) -> FloatArray:
+    """Points (3, 2) of the arrow from the bow, half a hull long, that shows the direction of travel."""
+    ahead = ship.track.ship.hull.length * np.array([math.cos(pose[2]), math.sin(pose[2])])
+    return np.asarray(pose[:2] + np.array([[0.5], [0.6], [1.0]]) * ahead)
+
+
 def framed(scenario: Scenario, shown: FloatArray, ratio: float = 3.0) -> View:
     """Frame points so that the banks beside them are seen; stretch what is narrow to this ratio (Fig. 7)."""
     low, high = shown.min(axis=0), shown.max(axis=0)
+    growth = (LEAST_VIEW - float((high - low).max())) / 2.0
+    low, high = low - max(growth, 0.0), high + max(growth, 0.0)
     extent = high - low
     if extent.max() < 2.0 * extent.min():  # nearly square: make it so
-        growth = (SQUARE * extent.max() - extent).clip(0.0) / 2.0
-        low, high = low - growth, high + growth
+        short = (SQUARE * extent.max() - extent).clip(0.0) / 2.0
+        low, high = low - short, high + short
     width = max((waterway.width for waterway in scenario.waters.waterways), default=0.0)
     margin = max(min(0.65 * width, 0.15 * float(extent.max())), 50.0)
     (south, west), (north, east) = low - margin, high + margin

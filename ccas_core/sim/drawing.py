@@ -16,7 +16,7 @@ import shapely
 from ..frames import FloatArray
 from ..ships import ShipId
 from ..waterway import Waters
-from .chart import Duty, Label, Sailed, Style, View, place
+from .chart import Duty, Label, Sailed, Style, View, bow_arrow, place
 from .hulls import hulls, safety_rectangles
 
 if TYPE_CHECKING:
@@ -72,10 +72,7 @@ def hull(axes: Axes, ship: Sailed, time: float) -> None:
     fill(axes, area, fill=False, edgecolor="black", linewidth=THIN, linestyle=DASHED, zorder=_AREAS)
     outline = shapely.get_coordinates(hulls(own, pose))
     fill(axes, outline, facecolor=colour, edgecolor=colour, alpha=0.75, linewidth=THIN, zorder=_AREAS + 1.0)
-    north, east, course = pose[0]
-    ahead = own.hull.length * np.array([math.cos(course), math.sin(course)])
-    curve = np.array([north, east]) + np.array([[0.5], [0.6], [1.0]]) * ahead
-    _arrow(axes, curve, colour, head="->", zorder=_AREAS + 1.0)
+    _arrow(axes, bow_arrow(ship, pose[0]), colour, head="->", zorder=_AREAS + 1.0)
 
 
 def beside(ship: Sailed, time: float, text: str, *, keep: bool) -> Label:
@@ -117,7 +114,8 @@ def arrows(
 def _arrow(axes: Axes, curve: FloatArray, colour: str, *, head: str, zorder: float) -> None:
     """Draw an arrow along a curve (n, 2): a line, which labels keep clear of, and a head."""
     axes.plot(curve[:-1, 1], curve[:-1, 0], color=colour, linewidth=0.8, zorder=zorder)
-    looks = {"arrowstyle": head, "color": colour, "linewidth": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
+    looks = {"arrowstyle": head, "color": colour, "linewidth": 0.8, "mutation_scale": 8.0}
+    looks |= {"shrinkA": 0.0, "shrinkB": 0.0}
     axes.annotate("", _on_paper(curve[-1]), _on_paper(curve[-2]), arrowprops=looks, zorder=zorder)
 
 
@@ -205,7 +203,7 @@ def chart_names(view: View) -> tuple[str, str]:
     if view.stretch > 1.0:
         return "east [m]", f"north [m], stretched {view.stretch:.0f} times"
     if view.stretch < 1.0:
-        return f"east [m], stretched {1.0 / view.stretch:.0f} times", "north [m]"
+        return f"east [m],\nstretched {1.0 / view.stretch:.0f} times", "north [m]"
     return "east [m]", "north [m]"
 
 

@@ -35,7 +35,11 @@ class ShipFrame:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frame:
-    """All ships under way at one instant; arrived ships are no longer in it."""
+    """All ships at one instant.
+
+    A ship that has arrived stands in one more frame, the first after it crossed the end of its route, so that
+    its last stretch is known; it decides nothing there, and is gone from the next.
+    """
 
     index: int
     time: float  # [s]

@@ -213,14 +213,16 @@ def _instants(
 ) -> list[tuple[Axes, list[Label]]]:
     """Draw a panel an instant; hand back the labels of each."""
     written: list[tuple[Axes, list[Label]]] = []
+    named = len(shown.ships) <= NAMED
     for panel, time in zip(panels, shown.times or (0.0,), strict=False):
         labels = water(panel, shown.scenario.waters, shown.view)
         for ship in shown.ships:
-            sail(panel, ship, ship.between(ship.track.times[0], time))
             hull(panel, ship, time)
-            if len(ship.at(time)) and len(shown.ships) <= NAMED:
+            if named:
+                sail(panel, ship, ship.between(ship.track.times[0], time))
+            if named and len(ship.at(time)):
                 labels.append(beside(ship, time, ship.name, keep=True))
-        if len(shown.ships) <= NAMED:
+        if named:
             labels += arrows(panel, shown.ships, duties(shown.frames, time), time, shown.view)
         frame = frame_at(shown.frames, time)
         opened = ", deadlock opened" if frame and frame.openings else ""
@@ -258,11 +260,14 @@ def _index(axes: Axes, scenario: Scenario, frames: Sequence[Frame], *, above: bo
     series = _indices(scenario, frames)
     least = {id_: float(each[:, 1].min()) for id_, each in series.items()}
     named = sorted(least, key=lambda id_: (least[id_], id_))
-    named = named if len(named) <= NAMED else named[:LOWEST]
+    styles: dict[ShipId, Style] = {}
+    if len(named) > NAMED:  # styles of ships so far apart in the scenario may be the same
+        named = named[:LOWEST]
+        styles = {id_: style(number) for number, id_ in enumerate(named)}
     for ship in sailed(scenario, frames):
         if ship.id in named:
             label = f"{ship.name}: min {least[ship.id]:.1f} m"
-            line(axes, series[ship.id], ship.style, label=label)
+            line(axes, series[ship.id], styles.get(ship.id, ship.style), label=label)
         elif ship.id in least:
             line(axes, series[ship.id], Style("0.8", ()), width=0.7, zorder=2.0)
     axes.axhline(0.0, color="black", linewidth=0.8)

@@ -32,6 +32,10 @@ RulesetId: TypeAlias = Annotated[
         show_default=False,
     ),
 ]
+SolverName: TypeAlias = Annotated[
+    str,
+    typer.Option("--solver", metavar="NAME", help="Solver of the ships' local problems: fatrop, riccati or ipopt."),
+]
 
 
 def load_plugins(context: typer.Context) -> Plugins:

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import typer
 
-from . import check, explain, graph, plugins, rulesets, scenarios, simulate
+from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
@@ -21,6 +21,8 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     scenarios.scenarios,
     rulesets.rulesets,
     plugins.plugins,
+    reproduce.reproduce,
+    bench.bench,
 )
 
 # Without markup: rich alone would take longer to import than `ccas --help` may take.
