@@ -6,11 +6,13 @@ here knows the operations of CasADi and nothing of the model.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import importlib.util
 import inspect
 import math
 import os
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
@@ -220,4 +222,6 @@ def cache_folder() -> Path:
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except (OSError, RuntimeError):  # not writable; or no home at all
-        return Path(tempfile.mkdtemp(prefix="ccas-"))
+        own = tempfile.mkdtemp(prefix="ccas-")
+        atexit.register(shutil.rmtree, own, ignore_errors=True)
+        return Path(own)

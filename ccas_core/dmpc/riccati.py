@@ -1,4 +1,4 @@
-"""A fast way to minimise the local problem (13b): `riccati`, compiled, some ten times faster than `fatrop`.
+"""A fast way to minimise the local problem (13b): `riccati`, compiled, tens of times faster than `fatrop`.
 
 Differential dynamic programming with control limits (Tassa, Mansard and Todorov 2014,
 doi 10.1109/ICRA.2014.6907001).  A sweep back over the stages makes a quadratic model of the cost to
@@ -116,7 +116,12 @@ def _widening() -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Riccati(AbstractLocalSolver):
-    """Differential dynamic programming with control limits, for any horizon and number of threats."""
+    """Differential dynamic programming with control limits, for any horizon and number of threats.
+
+    Notes
+    -----
+    Each answer is a minimum near its guess; no solver here finds the least of all for certain.
+    """
 
     name: str = "riccati"
     loops: ModuleType = field(default_factory=compiled, init=False, repr=False)
@@ -154,7 +159,7 @@ class Riccati(AbstractLocalSolver):
             high=high,
             constants=constants(problem),
             anchors=np.hstack([problem.multiplier[1:], problem.broadcast.poses[1:]]),
-            threats=problem.threats,
+            threats=np.array(problem.threats, order="C"),
         )
         controls = np.empty((answers, horizon, CONTROLS))
         states = np.empty((answers, horizon + 1, STATES))

@@ -22,7 +22,8 @@ NOT_FINITE: Final = 2
 STALLED: Final = 3
 
 ITERATIONS: Final = 300  # of a descent
-HALVINGS: Final = 12  # of a step, before the model is shifted
+CUT: Final = 0.25  # of a step that does not descend
+CUTS: Final = 6  # of a step, before the model is shifted
 SUFFICIENT: Final = 1e-4  # part of the promised decrease that a step must give
 GRADIENT: Final = 1e-9  # of a solution, projected
 ROUGH_GRADIENT: Final = 1e-5  # the same, where rounding lets no step descend any more
@@ -39,7 +40,7 @@ NEGLIGIBLE: Final = 1e-26  # of its gain: a risk without derivatives, exp(-60)
 
 
 class Task(NamedTuple):
-    """A local problem as arrays."""
+    """A local problem as arrays, always of the same kinds, so that one compilation serves all."""
 
     start: FloatArray  # (4,)
     low: FloatArray  # of the controls, (N, 2)
@@ -261,21 +262,11 @@ def settle(
         if report[2] <= GRADIENT or flat:
             return value, iteration, CONVERGED
         length = 1.0
-        for _ in range(HALVINGS):
-            new_value = sail(
-                task,
-                controls,
-                states,
-                step,
-                gain,
-                length,
-                new_controls,
-                new_states,
-                scratch,
-            )
+        for _ in range(CUTS):
+            new_value = sail(task, controls, states, step, gain, length, new_controls, new_states, scratch)
             if value - new_value >= -SUFFICIENT * length * (report[0] + 0.5 * length * report[1]):
                 break
-            length *= 0.5
+            length *= CUT
         else:  # no such step descends; in the end it is so short that rounding decides
             shift = max(10.0 * shift, SMALL_SHIFT)
             if shift > GREATEST_SHIFT:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import shapely
@@ -18,12 +18,13 @@ from ..frames import FloatArray
 from ..ships import ShipId
 from .frame import Frame, ShipFrame
 from .hulls import Track, safety_rectangles, track
-from .metrics import KEEPING_FACTOR, KEEPING_OFFSET, guiding_frames, is_met
+from .metrics import KEEPING_FACTOR, KEEPING_OFFSET, guiding_frames, is_met, safety_indices
 from .scenario import Scenario
 
 # The first three as in the paper, blue, green and red, in tones that colour-blind readers tell apart.
 COLOURS: Final = ("#0072B2", "#009E73", "#CC3311", "#8E44AD", "#E69F00", "#333333", "#56B4E9", "#A0522D")
 DASHES: Final = ((), (4.0, 3.0), (5.5, 2.0, 1.0, 2.0), (1.5, 1.2), (7.0, 1.5, 1.0, 1.5, 1.0, 1.5))
+PAGE: Final = 7.2  # width of a figure [in]
 NARROW: Final = 6.0  # ratio of the extents from which the shorter one is stretched
 SQUARE: Final = 0.9  # ratio to which a nearly square part is widened
 LEAST_VIEW: Final = 300.0  # extent that is shown at least [m]
@@ -148,7 +149,7 @@ def moments(frames: Sequence[Frame], ships: Sequence[Sailed], count: int = 4) ->
         return tuple(frame.time for frame in frames)
     nearest = _closest_approaches(frames)
     if not nearest:
-        chosen = np.linspace(0, len(frames) - 1, count).round().astype(int)
+        chosen = np.linspace(0, len(frames) - 1, count + 1)[:-1].round().astype(int)
         return tuple(frames[index].time for index in chosen)
     closest = min(nearest, key=lambda index: (nearest[index], index))
     act = (i for i, frame in enumerate(frames[:closest]) if any(map(_acts, frame.ships.values())))
@@ -236,6 +237,25 @@ def framed(scenario: Scenario, shown: FloatArray, ratio: float = 3.0) -> View:
     return View(west=west, east=east, south=south, north=north, stretch=stretch)
 
 
+def panel_size(view: View, columns: int, rows: int, most: float) -> tuple[float, float]:
+    """Width and height [in] of a chart, so that the figure is as wide as the page and not too high."""
+    width, height = (PAGE - 0.8) / columns - 0.1, (most - 1.0) / rows - 0.3
+    return min(width, height / view.shape), min(height, width * view.shape)
+
+
+def page_size(view: View, columns: int, rows: int, most: float) -> tuple[float, float]:
+    """Width and height [in] of a figure of charts, with room for names and legend."""
+    width, height = panel_size(view, columns, rows, most)
+    return max(4.6, columns * (width + 0.1) + 0.8), rows * (height + 0.3) + 1.0
+
+
+def grid(count: int, view: View, most: float) -> tuple[int, int]:
+    """Columns and rows for so many charts: as few columns as make them largest."""
+    count = max(count, 1)
+    grids = [(columns, math.ceil(count / columns)) for columns in range(1, count + 1)]
+    return max(grids, key=lambda grid: (round(panel_size(view, grid[0], grid[1], most)[0], 6), -grid[0]))
+
+
 def duties(frames: Sequence[Frame], time: float) -> tuple[Duty, ...]:
     """Who gives way to whom at an instant; where no rule decided, both, by `no common rule`."""
     frame = frame_at(frames, time)
@@ -255,6 +275,35 @@ def duties(frames: Sequence[Frame], time: float) -> tuple[Duty, ...]:
 def frame_at(frames: Sequence[Frame], time: float) -> Frame | None:
     """Last frame that does not lie after an instant."""
     return next((frame for frame in reversed(frames) if frame.time <= time), None)
+
+
+def signal(
+    frames: Sequence[Frame],
+    id_: ShipId,
+    of: Literal["offset", "path_y", "speed_factor"],
+    *,
+    commands: bool = False,
+) -> FloatArray:
+    """Table (K, 2) of time and a field of a ship; a ship that has just arrived is commanded no more."""
+    rows = [
+        (frame.time, getattr(frame.ships[id_], of))
+        for frame in frames
+        if id_ in frame.ships and not (commands and id_ in frame.arrived)
+    ]
+    return np.array(rows, dtype=np.float64).reshape(-1, 2)
+
+
+def safety_series(scenario: Scenario, frames: Sequence[Frame]) -> dict[ShipId, FloatArray]:
+    """Tables (K, 2) of time and safety index, of ships that were not always alone."""
+    ships = {plan.ship.id: plan.ship for plan in scenario.ships}
+    lines = guiding_frames(scenario)
+    rows: dict[ShipId, list[tuple[float, float]]] = {}
+    for frame in frames:
+        poses = {id_: ship.pose for id_, ship in frame.ships.items()}
+        for id_, index in safety_indices(poses, ships, lines).items():
+            if index is not None:
+                rows.setdefault(id_, []).append((frame.time, index))
+    return {id_: np.array(each) for id_, each in rows.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

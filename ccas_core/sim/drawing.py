@@ -22,6 +22,7 @@ from .hulls import hulls, safety_rectangles
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, FigureBase
 
 SMALL, NORMAL, LARGE = 8.0, 9.0, 10.0  # sizes of letters [pt]
 LAND: Final = "#D0D0D0"
@@ -207,8 +208,31 @@ def chart_names(view: View) -> tuple[str, str]:
     return "east [m]", "north [m]"
 
 
-def write(axes: Axes, labels: Sequence[Label]) -> None:
-    """Write labels where there is room; the layout must be settled."""
+def settle(figure: Figure, panels: Sequence[tuple[Axes, Sequence[Label]]]) -> None:
+    """Lay a figure out once and for all, then write the labels of each panel where there is room."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes, labels in panels:
+        _write(axes, labels)
+
+
+def below(figure: FigureBase, entries: Sequence[Artist]) -> None:
+    """Put a legend below everything else, in as many rows as it needs."""
+    root = figure.get_figure(root=True)
+    room = figure.bbox.width * 72.0 / (root.dpi if root else 72.0)
+    wanted = sum(SMALL * (5.6 + 0.62 * len(str(entry.get_label()))) for entry in entries)
+    rows = math.ceil(wanted / room)
+    figure.legend(
+        handles=entries,
+        loc="outside lower center",
+        ncols=math.ceil(len(entries) / rows),
+        handlelength=2.8,
+        fontsize=SMALL,
+        frameon=False,
+    )
+
+
+def _write(axes: Axes, labels: Sequence[Label]) -> None:
     from matplotlib.patches import Polygon
     from matplotlib.patheffects import withStroke
 
@@ -221,7 +245,11 @@ def write(axes: Axes, labels: Sequence[Label]) -> None:
     anchors = axes.transData.transform([(each.east, each.north) for each in inside]) * to_points
     sizes = np.array([(0.6 * SMALL * len(each.text) + 2.0, 1.25 * SMALL) for each in inside])
     outlines = [(np.asarray(each.get_xydata()), each.get_zorder()) for each in axes.lines]
-    outlines += [(each.get_xy(), each.get_zorder()) for each in axes.patches if isinstance(each, Polygon)]
+    outlines += [  # with a diagonal, for the inside is no better place than the edge
+        (np.vstack([each.get_xy(), each.get_xy()[2:3]]), each.get_zorder())
+        for each in axes.patches
+        if isinstance(each, Polygon)
+    ]
     busy = [
         _dots(axes.transData.transform(outline) * to_points, weight)
         for outline, zorder in outlines

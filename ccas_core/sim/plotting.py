@@ -9,18 +9,37 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ..frames import FloatArray
 from ..ships import ShipId
-from .chart import Label, Sailed, Scene, Style, View, duties, frame_at, framed, points, sailed, scene, style
+from .chart import (
+    PAGE,
+    Label,
+    Sailed,
+    Scene,
+    Style,
+    View,
+    duties,
+    frame_at,
+    framed,
+    grid,
+    page_size,
+    points,
+    safety_series,
+    sailed,
+    scene,
+    signal,
+    style,
+)
 from .drawing import (
     LARGE,
     NORMAL,
     SMALL,
     arrows,
+    below,
     beside,
     chart_names,
     chart_samples,
@@ -30,19 +49,16 @@ from .drawing import (
     line,
     sail,
     samples,
+    settle,
     water,
-    write,
 )
 from .frame import Frame
-from .metrics import guiding_frames, safety_indices
 from .scenario import Scenario
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
-PAGE: Final = 7.2  # width of a figure [in]
 TALLEST: Final = 9.6  # height of a figure [in]
 CHART_TALLEST: Final = 7.2  # of one chart alone [in]
 DIAGRAMS: Final = 3.1  # of the diagrams below composed charts [in]
@@ -59,7 +75,7 @@ def paths(
 ) -> Figure:
     """Draw the chart with all tracks, and the ships to scale at some instants (Fig. 5, 6)."""
     shown = scene(scenario, frames, times)
-    figure = _figure(*_page(shown.view, 1, 1, CHART_TALLEST))
+    figure = _figure(*page_size(shown.view, 1, 1, CHART_TALLEST))
     axes = figure.subplots()
     labels = _tracks(axes, shown, shown.times, timed=True)
     dress_chart(axes, shown.view)
@@ -67,20 +83,17 @@ def paths(
     many = f" ({len(shown.ships)} ships)" if len(shown.ships) > NAMED else ""
     axes.set_title((title or scenario.title or scenario.name) + many, fontsize=LARGE, loc="left")
     _explain(figure, shown)
-    _settle(figure)
-    write(axes, labels)
+    settle(figure, [(axes, labels)])
     return figure
 
 
 def snapshots(scenario: Scenario, frames: Sequence[Frame], times: Sequence[float] | None = None) -> Figure:
     """Draw a panel an instant, with trails and with arrows from who gives way (Fig. 10 (a) to (d))."""
     shown = scene(scenario, frames, times)
-    columns, rows = _grid(len(shown.times), shown.view, TALLEST)
-    figure = _figure(*_page(shown.view, columns, rows, TALLEST))
+    columns, rows = grid(len(shown.times), shown.view, TALLEST)
+    figure = _figure(*page_size(shown.view, columns, rows, TALLEST))
     labels = _instants(figure, _charts(figure, columns, rows), columns, shown)
-    _settle(figure)
-    for panel, texts in labels:
-        write(panel, texts)
+    settle(figure, labels)
     return figure
 
 
@@ -91,14 +104,14 @@ def signals(scenario: Scenario, frames: Sequence[Frame]) -> Figure:
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
     _offset_commands(upper, frames, ships)
     upper.set_title("offsets to starboard are positive", fontsize=SMALL, loc="right")
-    _draw_each(middle, ships, {ship.id: _series(frames, ship.id, "path_y") for ship in ships})
+    _draw_each(middle, ships, {ship.id: signal(frames, ship.id, "path_y") for ship in ships})
     middle.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     dress(middle, "", "actual\noffset [m]", least=LEAST_OFFSETS)
     _speed_factors(lower, frames, ships)
     for axes in (upper, middle):
         axes.tick_params(labelbottom=False)
     if 0 < len(ships) <= NAMED:
-        _below(figure, samples(ships))
+        below(figure, samples(ships))
     else:
         figure.suptitle(f"{len(ships)} ships", fontsize=LARGE)
     return figure
@@ -114,8 +127,8 @@ def safety_index(scenario: Scenario, frames: Sequence[Frame]) -> Figure:
 def fleet(scenario: Scenario, frames: Sequence[Frame], times: Sequence[float] | None = None) -> Figure:
     """Compose a page: instants (a) to (d), safety index (e), offset (f) and speed (g) (Fig. 10 to 14)."""
     shown = scene(scenario, frames, times)
-    columns, rows = _grid(len(shown.times), shown.view, TALLEST - DIAGRAMS)
-    _, height = _page(shown.view, columns, rows, TALLEST - DIAGRAMS)
+    columns, rows = grid(len(shown.times), shown.view, TALLEST - DIAGRAMS)
+    _, height = page_size(shown.view, columns, rows, TALLEST - DIAGRAMS)
     figure = _figure(PAGE, height + DIAGRAMS)
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(height, DIAGRAMS))[:, 0]
     labels = _instants(upper, _charts(upper, columns, rows), columns, shown)
@@ -126,9 +139,7 @@ def fleet(scenario: Scenario, frames: Sequence[Frame], times: Sequence[float] | 
     diagrams["f"].tick_params(labelbottom=False)
     for number, key in enumerate("efg", start=max(len(shown.times), 1)):
         diagrams[key].set_title(_letter(number), fontsize=NORMAL, loc="left")
-    _settle(figure)
-    for panel, texts in labels:
-        write(panel, texts)
+    settle(figure, labels)
     return figure
 
 
@@ -161,11 +172,11 @@ def compare(panels: Sequence[tuple[str, Scenario, Sequence[Frame]]]) -> Figure:
     shown = [scene(scenario, frames) for _, scenario, frames in panels]
     every = [points(each.scenario, each.frames, each.ships, each.times) for each in shown]
     view = framed(panels[0][1], np.vstack(every))
-    columns, rows = _grid(len(panels), view, TALLEST)
+    columns, rows = grid(len(panels), view, TALLEST)
     if len(panels) > 4:  # many small ones, as in Fig. 7
         view = framed(panels[0][1], np.vstack(every), ratio=1.6)
         columns, rows = 3, math.ceil(len(panels) / 3)
-    figure = _figure(*_page(view, columns, rows, TALLEST))
+    figure = _figure(*page_size(view, columns, rows, TALLEST))
     charts = _charts(figure, columns, rows)
     for number, (chart, each, (label, _, _)) in enumerate(zip(charts, shown, panels, strict=False)):
         _tracks(chart, each, each.times)
@@ -235,7 +246,7 @@ def _instants(
 
 
 def _offset_commands(axes: Axes, frames: Sequence[Frame], ships: Sequence[Sailed]) -> None:
-    series = {ship.id: _series(frames, ship.id, "offset", commands=True) for ship in ships}
+    series = {ship.id: signal(frames, ship.id, "offset", commands=True) for ship in ships}
     _draw_each(axes, ships, series, steps=True)
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     dress(axes, "", "commanded\noffset $u^y$ [m]", least=LEAST_OFFSETS)
@@ -243,7 +254,7 @@ def _offset_commands(axes: Axes, frames: Sequence[Frame], ships: Sequence[Sailed
 
 def _speed_factors(axes: Axes, frames: Sequence[Frame], ships: Sequence[Sailed]) -> None:
     """Draw speed factors; where all ships have one nominal speed, the speed stands on the right."""
-    series = {ship.id: _series(frames, ship.id, "speed_factor", commands=True) for ship in ships}
+    series = {ship.id: signal(frames, ship.id, "speed_factor", commands=True) for ship in ships}
     _draw_each(axes, ships, series, steps=True)
     dress(axes, "time [s]", "speed\nfactor $u^s$ [-]")
     axes.set_ylim(-0.05, 1.08)
@@ -257,7 +268,7 @@ def _speed_factors(axes: Axes, frames: Sequence[Frame], ships: Sequence[Sailed])
 
 
 def _index(axes: Axes, scenario: Scenario, frames: Sequence[Frame], *, above: bool) -> None:
-    series = _indices(scenario, frames)
+    series = safety_series(scenario, frames)
     least = {id_: float(each[:, 1].min()) for id_, each in series.items()}
     named = sorted(least, key=lambda id_: (least[id_], id_))
     styles: dict[ShipId, Style] = {}
@@ -291,35 +302,6 @@ def _index(axes: Axes, scenario: Scenario, frames: Sequence[Frame], *, above: bo
     )
 
 
-def _indices(scenario: Scenario, frames: Sequence[Frame]) -> dict[ShipId, FloatArray]:
-    """Tables (K, 2) of time and safety index, of ships that were not always alone."""
-    ships = {plan.ship.id: plan.ship for plan in scenario.ships}
-    lines = guiding_frames(scenario)
-    rows: dict[ShipId, list[tuple[float, float]]] = {}
-    for frame in frames:
-        poses = {id_: ship.pose for id_, ship in frame.ships.items()}
-        for id_, index in safety_indices(poses, ships, lines).items():
-            if index is not None:
-                rows.setdefault(id_, []).append((frame.time, index))
-    return {id_: np.array(each) for id_, each in rows.items()}
-
-
-def _series(
-    frames: Sequence[Frame],
-    id_: ShipId,
-    of: Literal["offset", "path_y", "speed_factor"],
-    *,
-    commands: bool = False,
-) -> FloatArray:
-    """Table (K, 2) of time and a field of a ship; a ship that has just arrived is commanded no more."""
-    rows = [
-        (frame.time, getattr(frame.ships[id_], of))
-        for frame in frames
-        if id_ in frame.ships and not (commands and id_ in frame.arrived)
-    ]
-    return np.array(rows, dtype=np.float64).reshape(-1, 2)
-
-
 def _draw_each(
     axes: Axes, ships: Sequence[Sailed], series: Mapping[ShipId, FloatArray], *, steps: bool = False
 ) -> None:
@@ -335,31 +317,6 @@ def _figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
-
-
-def _settle(figure: Figure) -> None:
-    """Lay a figure out once and for all, so that labels stay where room was found for them."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-
-
-def _panel(view: View, columns: int, rows: int, most: float) -> tuple[float, float]:
-    """Width and height [in] of a chart, so that the figure is as wide as the page and not too high."""
-    width, height = (PAGE - 0.8) / columns - 0.1, (most - 1.0) / rows - 0.3
-    return min(width, height / view.shape), min(height, width * view.shape)
-
-
-def _page(view: View, columns: int, rows: int, most: float) -> tuple[float, float]:
-    """Width and height [in] of a figure of charts, with room for names and legend."""
-    width, height = _panel(view, columns, rows, most)
-    return max(4.6, columns * (width + 0.1) + 0.8), rows * (height + 0.3) + 1.0
-
-
-def _grid(count: int, view: View, most: float) -> tuple[int, int]:
-    """Columns and rows for so many charts: as few columns as make them largest."""
-    count = max(count, 1)
-    grids = [(columns, math.ceil(count / columns)) for columns in range(1, count + 1)]
-    return max(grids, key=lambda grid: (round(_panel(view, grid[0], grid[1], most)[0], 6), -grid[0]))
 
 
 def _charts(figure: FigureBase, columns: int, rows: int) -> list[Axes]:
@@ -385,15 +342,4 @@ def _letter(number: int) -> str:
 def _explain(figure: FigureBase, shown: Scene) -> None:
     """Explain a chart below it."""
     ships = samples(shown.ships) if len(shown.ships) <= NAMED else []
-    _below(figure, [*ships, *chart_samples(shown.scenario.waters)])
-
-
-def _below(figure: FigureBase, entries: Sequence[Artist]) -> None:
-    figure.legend(
-        handles=entries,
-        loc="outside lower center",
-        ncols=min(len(entries), 6),
-        handlelength=2.8,
-        fontsize=SMALL,
-        frameon=False,
-    )
+    below(figure, [*ships, *chart_samples(shown.scenario.waters)])

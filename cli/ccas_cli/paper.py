@@ -189,7 +189,7 @@ def collides_if_nobody_acts(scenario: Scenario) -> list[Claim]:
         tracks.append(Track(ship=plan.ship, times=np.array([0.0, duration]), poses=poses))
         when = np.arange(0.0, duration, 1.0)
         times.append(float(when[np.argmin(np.hypot(*tracks[-1].at(when)[:, :2].T))]))
-    struck = {id_ for each in meetings(tracks) if each.collision for id_ in each.ships}
+    struck = {id_ for each in meetings(tracks) if each.collision for id_ in each.pair}
     return [
         Claim("every ship collides if nobody acts", len(struck) == len(scenario.ships)),
         Claim("undisturbed, all arrive within one period", max(times) - min(times) <= scenario.time_step),

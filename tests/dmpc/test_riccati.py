@@ -273,7 +273,7 @@ def test_best_of_all_starts_is_mostly_as_good_as_that_of_fatrop(riccati: Riccati
         gaps.append((riccati.best(problem, guesses(problem)).objective - other) / max(1.0, abs(other)))
 
     worse, better = np.mean(np.array(gaps) > 1e-6), np.mean(np.array(gaps) < -1e-6)
-    assert worse <= 0.2  # many minima: neither solver finds the least always (see the notes of `Riccati`)
+    assert worse <= 0.2  # many minima: neither solver finds the least always
     assert better >= worse
 
 
