@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from ccas_cli.paper import TABLE_2, Claim, claims_of, head_on_claims
 from ccas_core.dmpc.solvers import AbstractLocalSolver, make_solver
 from ccas_core.plugins import load
@@ -51,7 +52,9 @@ _HARDEST_FIRST = ("fig_13_n30", "fig_13", "six_ships", "five_ships", "fig_14", "
 
 def main() -> None:
     """Run the study, or go on with it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--samples", type=int, default=100)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--seed", type=int, default=1)

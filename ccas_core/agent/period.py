@@ -14,7 +14,8 @@ from ..dmpc.local_problem import Solution
 from ..dmpc.solvers import AbstractLocalSolver
 from ..ships import ShipId
 from .bus import Bus
-from .ship_agent import Decision, Event, Request, Sensed, ShipAgent, Solved
+from .events import Decision, Event, Request, Sensed, Solved
+from .ship_agent import ShipAgent
 
 Solve = Callable[[Request], Solution]
 

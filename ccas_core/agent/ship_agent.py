@@ -12,19 +12,18 @@ leaves the ship before the deadline.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
-from typing import Final, TypeAlias
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from ..dmpc import negotiate
-from ..dmpc.local_problem import LocalProblem, Solution
-from ..dmpc.negotiate import Negotiation, Neighbour, Progress
+from ..dmpc.local_problem import shifted
+from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
-from ..dmpc.prediction import AbstractPredictor, ConstantVelocity
+from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import Opening, PriorityGraph, Settlement, settle
+from ..priority import PriorityGraph, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
@@ -34,116 +33,9 @@ from ..tapd.ruleset import AbstractRuleset, Pair, Situation
 from ..verdict import Kind, Verdict
 from ..waterway import GuidingLine, Waters
 from ..world import ShipReport, World
+from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Step
+from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Timers:
-    """Times within a period, from its beginning unless stated otherwise [s]."""
-
-    listen: float = 1.0  # reports are awaited until then
-    settle: float = 3.0  # verdicts are awaited until then
-    deadlock: float = 2.0  # T_DL: without progress for so long, a deadlock is looked for
-    resend: float = 1.0  # a ship repeats its last word after so long, while others still need it
-    deadline: float = 15.0  # a decision leaves the ship by then
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AgentSettings:
-    """How a ship's agent is set."""
-
-    profiles: Mapping[Geometry, Settings]  # control settings by geometry (Sec. 5.4)
-    profile: Geometry | None = None  # None: by the encounters at hand
-    deadlock_detection: bool = True
-    timers: Timers = field(default_factory=Timers)
-
-
-@dataclass(frozen=True, slots=True)
-class Sensed:
-    """The ship's own instruments, at the beginning of a period."""
-
-    period: int
-    pose: NedPose
-    speed: float  # over ground [m/s]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solved:
-    """The answer to a request."""
-
-    problem: LocalProblem
-    solution: Solution
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Request:
-    """A local problem that the ship wants solved, and the guesses to start from."""
-
-    problem: LocalProblem
-    guesses: tuple[FloatArray, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Decision:
-    """What a ship does for one period, and all that led to it."""
-
-    offset: float  # u^y [m]
-    speed_factor: float  # u^s
-    ruleset: str
-    plan: NedTrajectory
-    settlements: tuple[Settlement, ...]
-    openings: tuple[Opening, ...]
-    outcome: str
-    fallback: str
-    update_ms: tuple[float, ...]
-    residuals: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step:
-    """What a ship wants after a step; `wake_at` None means: not before a message comes."""
-
-    outbox: tuple[Message, ...] = ()
-    wake_at: float | None = None
-    request: Request | None = None
-    decision: Decision | None = None
-
-
-Event: TypeAlias = Message | Sensed | Solved
-
-
-class _Phase(Enum):
-    LISTENING = 1
-    SETTLING = 2
-    WAITING = 3
-    DONE = 4
-
-
-@dataclass(slots=True, eq=False)
-class _Period:
-    """Knowledge of one control period."""
-
-    index: int
-    began: float
-    own: ShipReport
-    phase: _Phase = _Phase.LISTENING
-    reports: dict[ShipId, ShipReport] = field(default_factory=dict)
-    judged: tuple[Verdict, ...] = ()
-    heard: dict[ShipId, tuple[Verdict, ...]] = field(default_factory=dict)
-    settlements: tuple[Settlement, ...] = ()
-    waits_for: set[ShipId] = field(default_factory=set)
-    openings: list[Opening] = field(default_factory=list)
-    waiting: dict[ShipId, Waiting] = field(default_factory=dict)
-    told: dict[ShipId, Progress] = field(default_factory=dict)
-    intentions: dict[ShipId, NedTrajectory] = field(default_factory=dict)
-    negotiation: Negotiation | None = None
-    asked: bool = False  # a request is out
-    progressed: float = 0.0  # when somebody last told a decision [s]
-    resent: float = 0.0  # when the ship last told its own [s]
-
-    @property
-    def decided(self) -> frozenset[ShipId]:
-        return frozenset(ship for ship, progress in self.told.items() if progress.decided)
 
 
 class ShipAgent:
@@ -185,7 +77,7 @@ class ShipAgent:
         self._last_offset = 0.0
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
-        self._period: _Period | None = None
+        self._period: Period | None = None
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
         """Take what has come, go on as far as possible, and say what is wanted."""
@@ -196,25 +88,27 @@ class ShipAgent:
         if period is None:
             return Step()
         timers = self._settings.timers
-        if period.phase is _Phase.LISTENING and now >= period.began + timers.listen:
+        if period.phase is Phase.LISTENING and now >= period.began + timers.listen:
             outbox += self._judge(period)
-        if period.phase is _Phase.SETTLING and self._may_settle(now, period):
+        if period.phase is Phase.SETTLING and self._may_settle(now, period):
             outbox += self._settle(now, period)
-        if period.phase is not _Phase.WAITING:
+        negotiation = period.negotiation
+        if period.phase is not Phase.WAITING or negotiation is None:
             return self._rest(now, period, outbox)
         if period.asked:
             return Step(outbox=tuple(outbox))
-        if period.negotiation is not None and period.negotiation.done:
-            return self._decide(now, period, outbox)
+        if negotiation.done:
+            return self._decide(now, period, negotiation, outbox)
         if now >= period.began + timers.deadline:
-            return self._give_up(now, period, outbox, "the deadline came before the ship's turn")
+            late = "the deadline came before the ship's turn"
+            return self._give_up(now, period, negotiation, outbox, late)
         if any(isinstance(event, Solved) for event in inbox):
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
-        if self._my_turn(period) or self._released(now, period, outbox):
-            return self._ask(period, outbox)
-        wake_at = min(period.began + timers.deadline, period.progressed + timers.deadlock)
-        if not self._settings.deadlock_detection:
-            wake_at = period.began + timers.deadline
+        if self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
+            return self._ask(period, negotiation, outbox)
+        wake_at = period.began + timers.deadline
+        if self._settings.deadlock_detection:
+            wake_at = min(wake_at, period.progressed + timers.deadlock)
         return Step(outbox=tuple(outbox), wake_at=wake_at)
 
     # -- taking what comes -----------------------------------------------------------------------
@@ -228,24 +122,7 @@ class ShipAgent:
             return []
         if isinstance(event, Solved):
             return self._take_solution(now, period, event)
-        if event.period != period.index:
-            return []  # too late: its period is over
-        if isinstance(event, Report):
-            if period.phase is _Phase.LISTENING:
-                period.reports[event.sender] = event.report
-        elif isinstance(event, Verdicts):
-            period.heard[event.sender] = event.verdicts
-        elif isinstance(event, Gossip):
-            period.waiting |= event.waiting
-            for ship in event.decided - period.decided:
-                period.told.setdefault(ship, Progress(0, decided=False))
-        else:
-            before = period.told.get(event.sender)
-            progress = Progress(event.iteration, event.decided)
-            if before is None or (progress.decided, progress.iteration) > (before.decided, before.iteration):
-                period.told[event.sender] = progress
-                period.intentions[event.sender] = event.trajectory
-                period.progressed = now
+        period.take(now, event)
         return []
 
     def _begin(self, now: float, sensed: Sensed) -> Message:
@@ -259,12 +136,12 @@ class ShipAgent:
             ruleset=self._waters.ruleset_at(sensed.pose),
         )
         if self._period is not None:
-            self._promises = {ship: _shifted(told) for ship, told in self._period.intentions.items()}
+            self._promises = {ship: carried_on(told) for ship, told in self._period.intentions.items()}
             self._last_reports = {**self._period.reports}
-        self._period = _Period(index=sensed.period, began=now, own=own, progressed=now)
+        self._period = Period(index=sensed.period, began=now, own=own, progressed=now)
         return Report(self.ship.id, sensed.period, own)
 
-    def _take_solution(self, now: float, period: _Period, solved: Solved) -> list[Message]:
+    def _take_solution(self, now: float, period: Period, solved: Solved) -> list[Message]:
         period.asked = False
         if period.negotiation is None:
             return []
@@ -272,25 +149,27 @@ class ShipAgent:
         period.progressed = now
         if period.negotiation.done:
             return []  # told with the decision
-        return [self._intention(period, period.negotiation.told(), period.negotiation.iteration, decided=False)]
+        return [self._intention(period, period.negotiation)]
 
     # -- layer 1 ---------------------------------------------------------------------------------
 
-    def _situation(self, period: _Period) -> Situation:
+    def _situation(self, period: Period) -> Situation:
         reports = {**period.reports, self.ship.id: period.own}
         world = World(time=period.began, waters=self._waters, reports=reports)
         return Situation(world=world, encounters=self._encounters)
 
-    def _judge(self, period: _Period) -> list[Message]:
+    def _judge(self, period: Period) -> list[Message]:
         ruleset = self._rulesets[period.own.ruleset]
         period.judged = assign(ruleset, self._situation(period), self.ship.id)
-        period.phase = _Phase.SETTLING
+        period.phase = Phase.SETTLING
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
-    def _may_settle(self, now: float, period: _Period) -> bool:
-        return period.heard.keys() >= period.reports.keys() or now >= period.began + self._settings.timers.settle
+    def _may_settle(self, now: float, period: Period) -> bool:
+        return (
+            period.heard.keys() >= period.reports.keys() or now >= period.began + self._settings.timers.settle
+        )
 
-    def _settle(self, now: float, period: _Period) -> list[Message]:
+    def _settle(self, now: float, period: Period) -> list[Message]:
         masses = {ship: report.ship.mass for ship, report in period.reports.items()}
         masses[self.ship.id] = self.ship.mass
         situation = self._situation(period)
@@ -305,16 +184,18 @@ class ShipAgent:
             if (mine.kind, theirs.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(mine, theirs, masses))
         period.settlements = tuple(settlements)
-        edges = [each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id]
+        edges = [
+            each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
+        ]
         period.waits_for = {edge.first for edge in edges}
         waiting = Waiting(self.ship.mass, {edge.first: edge.kind for edge in edges})
         period.waiting[self.ship.id] = waiting
-        period.phase = _Phase.WAITING
+        period.phase = Phase.WAITING
         period.progressed = now
         period.negotiation = negotiate.begin(self._negotiating(period))
         return [Gossip(self.ship.id, period.index, {self.ship.id: waiting}, frozenset())]
 
-    def _heard_on_me(self, period: _Period, mine: Verdict) -> Verdict:
+    def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
         """The other ship's verdict on this one; one that did not come decides nothing."""
         for verdict in period.heard.get(mine.other, ()):
             if verdict.other == self.ship.id and verdict.own == mine.other:
@@ -330,13 +211,11 @@ class ShipAgent:
             reason="its verdict did not arrive",
         )
 
-    def _my_turn(self, period: _Period) -> bool:
-        negotiation = period.negotiation
-        assert negotiation is not None  # since the ship has settled
+    def _my_turn(self, period: Period, negotiation: Negotiation) -> bool:
         told = negotiate.progress_of(period.told, sorted(period.waits_for))
         return negotiate.may_update(negotiation.situation.settings.wait, negotiation.iteration, told)
 
-    def _released(self, now: float, period: _Period, outbox: list[Message]) -> bool:
+    def _released(self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message]) -> bool:
         """Open a deadlock, if there is one and this ship is the one to open it."""
         if not self._settings.deadlock_detection or now < period.progressed + self._settings.timers.deadlock:
             return False
@@ -347,11 +226,11 @@ class ShipAgent:
             return False
         period.openings += openings
         period.waits_for -= {opening.edge.first for opening in openings}
-        return self._my_turn(period)
+        return self._my_turn(period, negotiation)
 
     # -- layer 2 ---------------------------------------------------------------------------------
 
-    def _negotiating(self, period: _Period) -> negotiate.Situation:
+    def _negotiating(self, period: Period) -> negotiate.Situation:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
@@ -365,10 +244,10 @@ class ShipAgent:
             speed=self._speed,
             settings=settings,
             offset_limits=limits,
-            last_controls=None if last is None else negotiate.carried_on(last),
+            last_controls=None if last is None else shifted(last),
         )
 
-    def _profile(self, period: _Period) -> Settings:
+    def _profile(self, period: Period) -> Settings:
         """Control settings for the encounters at hand: crossing prevails over head-on (Sec. 5.4)."""
         profile = self._settings.profile
         if profile is None:
@@ -378,7 +257,7 @@ class ShipAgent:
             profile = Geometry.CROSSING if Geometry.CROSSING in met else Geometry.HEAD_ON
         return self._settings.profiles[profile]
 
-    def _neighbours(self, period: _Period, settings: Settings) -> list[Neighbour]:
+    def _neighbours(self, period: Period, settings: Settings) -> list[Neighbour]:
         """Where all others will be: their intention if told, or a prediction (steps 5 to 11)."""
         horizon, time_step = settings.horizon, settings.kinematics.time_step
         neighbours = []
@@ -388,7 +267,7 @@ class ShipAgent:
                 told = self._promises.get(ship)
             if told is None:
                 told = self._predictor.predict(report.pose, report.speed, horizon, time_step)
-            neighbours.append(Neighbour(report.ship.hull, _resized(told, horizon)))
+            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon)))
         for obstacle in self._waters.obstacles:
             pose = NedPose(obstacle.x, obstacle.y, 0.0)
             circle = Hull(
@@ -399,9 +278,7 @@ class ShipAgent:
             neighbours.append(Neighbour(circle, ConstantVelocity().predict(pose, 0.0, horizon, time_step)))
         return neighbours
 
-    def _ask(self, period: _Period, outbox: list[Message]) -> Step:
-        negotiation = period.negotiation
-        assert negotiation is not None  # since the ship has settled
+    def _ask(self, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         neighbours = self._neighbours(period, negotiation.situation.settings)
         problem = negotiate.local_problem(negotiation, neighbours)
         period.asked = True
@@ -409,33 +286,29 @@ class ShipAgent:
 
     # -- deciding --------------------------------------------------------------------------------
 
-    def _decide(self, now: float, period: _Period, outbox: list[Message]) -> Step:
-        negotiation = period.negotiation
-        assert negotiation is not None  # since the ship has settled
+    def _decide(self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         if not negotiation.usable:
-            return self._give_up(now, period, outbox, negotiation.worst.value)
-        outcome = negotiation.worst
-        return self._close(now, period, outbox, negotiation, "" if outcome.usable else outcome.value, "")
+            return self._give_up(now, period, negotiation, outbox, negotiation.worst.value)
+        return self._close(now, period, negotiation, outbox, "")
 
-    def _give_up(self, now: float, period: _Period, outbox: list[Message], why: str) -> Step:
-        negotiation = period.negotiation
-        assert negotiation is not None  # since the ship has settled
+    def _give_up(
+        self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message], why: str
+    ) -> Step:
+        """Decide without a solution: by the last plan, or by slowing down."""
         situation = negotiation.situation
         plan, what = negotiate.fallback(situation, self._neighbours(period, situation.settings))
-        settled = replace(negotiation, plan=plan, iteration=situation.settings.iterations)
-        settled = replace(settled, iterate=replace(settled.iterate, local=plan.trajectory.poses))
-        outcome = negotiation.worst
-        return self._close(now, period, outbox, settled, "" if outcome.usable else outcome.value, f"{why}: {what}")
+        iterate = replace(negotiation.iterate, local=plan.trajectory.poses)
+        settled = replace(negotiation, plan=plan, iterate=iterate, iteration=situation.settings.iterations)
+        return self._close(now, period, settled, outbox, f"{why}: {what}")
 
     def _close(
-        self, now: float, period: _Period, outbox: list[Message], negotiation: Negotiation, outcome: str, why: str
+        self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message], fallback: str
     ) -> Step:
         """Issue the decision of this period, and promise its plan."""
         period.negotiation = negotiation
-        period.phase = _Phase.DONE
+        period.phase = Phase.DONE
         period.resent = now
-        promise = negotiation.told()
-        outbox.append(self._intention(period, promise, negotiation.iteration, decided=True))
+        outbox.append(self._intention(period, negotiation))
         controls = negotiation.plan.controls
         self._last_controls = controls
         self._last_offset = float(controls[0, 0])
@@ -443,48 +316,31 @@ class ShipAgent:
             offset=float(controls[0, 0]),
             speed_factor=float(controls[0, 1]),
             ruleset=period.own.ruleset,
-            plan=promise,
+            plan=negotiation.told(),
             settlements=period.settlements,
             openings=tuple(period.openings),
-            outcome=outcome,
-            fallback=why,
+            outcome="" if negotiation.worst.usable else negotiation.worst.value,
+            fallback=fallback,
             update_ms=tuple(1000.0 * seconds for seconds in negotiation.seconds),
             residuals=negotiation.residuals,
         )
         wake_at = now + self._settings.timers.resend
         return Step(outbox=tuple(outbox), wake_at=wake_at, decision=decision)
 
-    def _rest(self, now: float, period: _Period, outbox: list[Message]) -> Step:
+    def _rest(self, now: float, period: Period, outbox: list[Message]) -> Step:
         """Wait for the end of a window, or, when done, repeat the promise to those that still need it."""
         timers = self._settings.timers
-        if period.phase is _Phase.LISTENING:
+        if period.phase is Phase.LISTENING:
             return Step(outbox=tuple(outbox), wake_at=period.began + timers.listen)
-        if period.phase is _Phase.SETTLING:
+        if period.phase is Phase.SETTLING:
             return Step(outbox=tuple(outbox), wake_at=period.began + timers.settle)
         if period.decided >= period.reports.keys() or now >= period.began + timers.deadline:
             return Step(outbox=tuple(outbox))
         if now >= period.resent + timers.resend and period.negotiation is not None:
             period.resent = now
-            promise = period.negotiation.told()
-            outbox.append(self._intention(period, promise, period.negotiation.iteration, decided=True))
+            outbox.append(self._intention(period, period.negotiation))
         return Step(outbox=tuple(outbox), wake_at=period.resent + timers.resend)
 
-    def _intention(self, period: _Period, told: NedTrajectory, iteration: int, *, decided: bool) -> Intention:
-        return Intention(self.ship.id, period.index, iteration, told, decided)
-
-
-def _shifted(told: NedTrajectory) -> NedTrajectory:
-    """Carry an intention on by one period; its last step is repeated."""
-    poses = told.poses
-    last = poses[-1].copy()
-    last[:2] += poses[-1, :2] - poses[-2, :2]
-    return NedTrajectory(np.vstack([poses[1:], last]))
-
-
-def _resized(told: NedTrajectory, horizon: int) -> NedTrajectory:
-    """Bring an intention to the own horizon: cut, or its last step repeated."""
-    while len(told.poses) < horizon + 1:
-        last = told.poses[-1].copy()
-        last[:2] += told.poses[-1, :2] - told.poses[-2, :2]
-        told = NedTrajectory(np.vstack([told.poses, last]))
-    return told if len(told.poses) == horizon + 1 else NedTrajectory(told.poses[: horizon + 1])
+    def _intention(self, period: Period, negotiation: Negotiation) -> Intention:
+        decided = period.phase is Phase.DONE
+        return Intention(self.ship.id, period.index, negotiation.iteration, negotiation.told(), decided)

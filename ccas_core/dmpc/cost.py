@@ -11,7 +11,9 @@ import casadi as ca
 from .symbolic import Scalar
 
 
-def control_effort(offset: Scalar, last_offset: Scalar, speed_factor: Scalar, K_y: Scalar, K_s: Scalar) -> Scalar:
+def control_effort(
+    offset: Scalar, last_offset: Scalar, speed_factor: Scalar, K_y: Scalar, K_s: Scalar
+) -> Scalar:
     """One term of J^e, Eq. (8): what a change of offset [m] and of speed costs.
 
     >>> control_effort(10.0, 0.0, 0.5, 1e-2, 2e-2)

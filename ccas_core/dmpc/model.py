@@ -51,7 +51,9 @@ def stage_model(threats: int) -> StageModel:
     sailed = kinematics.step((x, y, course), offset, speed_factor, **motion)
     arguments = (offset, last_offset, speed_factor)
     habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "gamma_s", "gamma_y")}
-    effort = cost.control_effort(*arguments, named["K_y"], named["K_s"]) + cost.behaviour(*arguments, **habits)
+    effort = cost.control_effort(*arguments, named["K_y"], named["K_s"]) + cost.behaviour(
+        *arguments, **habits
+    )
 
     anchor = ca.SX.sym("anchor", 6)
     multiplier, broadcast = anchor[0:3], anchor[3:6]

@@ -13,7 +13,7 @@ import numpy as np
 from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory
 from ..ships import Hull, ShipId
 from . import nadmm
-from .local_problem import LocalPlan, LocalProblem, Solution, shifted
+from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
@@ -95,7 +95,9 @@ def begin(situation: Situation) -> Negotiation:
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
         controls = _guess(Start.NOMINAL, situation)
     plan = rollout(_problem(situation, ()), controls)
-    return Negotiation(situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan)
+    return Negotiation(
+        situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
+    )
 
 
 def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> bool:
@@ -217,11 +219,6 @@ def _guess(start: Start, situation: Situation) -> FloatArray:
     elif start is Start.SLOW:
         factor = np.full(horizon, SLOW_FACTOR)
     return np.column_stack([offset, factor])
-
-
-def carried_on(controls: FloatArray) -> FloatArray:
-    """Shift a plan by the period that has been sailed; its last control is held."""
-    return shifted(controls)
 
 
 def progress_of(told: Mapping[ShipId, Progress], predecessors: Iterable[ShipId]) -> tuple[Progress, ...]:

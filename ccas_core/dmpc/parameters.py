@@ -146,7 +146,9 @@ PARAMETERS: Final[dict[str, Parameter]] = {
     "gamma_s": Parameter("weights", "gamma_s", "", 1e-9, 1e9, "width of B_1 of the speed factor"),
     "gamma_y": Parameter("weights", "gamma_y", "", 1e-9, 1e9, "width of B_1 of the offset"),
     "kappa_along": Parameter("risk", "kappa_along", "", 1e-3, 1e3, "risk ellipse along the other's course"),
-    "kappa_across": Parameter("risk", "kappa_across", "", 1e-3, 1e3, "risk ellipse across the other's course"),
+    "kappa_across": Parameter(
+        "risk", "kappa_across", "", 1e-3, 1e3, "risk ellipse across the other's course"
+    ),
     "alpha_x": Parameter("risk", "alpha_x", "m2", 1e-3, 1e9, "printed risk ellipse along the own axis"),
     "alpha_y": Parameter("risk", "alpha_y", "m2", 1e-3, 1e9, "printed risk ellipse across the own axis"),
     "T_1": Parameter("kinematics", "time_constant", "s", 1e-3, 1e6, "time constant of the course"),

@@ -31,3 +31,20 @@ class ConstantVelocity(AbstractPredictor):
         north = pose.x + sailed * np.cos(pose.course)
         east = pose.y + sailed * np.sin(pose.course)
         return NedTrajectory(np.column_stack([north, east, course]))
+
+
+def carried_on(told: NedTrajectory) -> NedTrajectory:
+    """Carry an intention on by one period; its last step is repeated."""
+    poses = told.poses
+    last = poses[-1].copy()
+    last[:2] += poses[-1, :2] - poses[-2, :2]
+    return NedTrajectory(np.vstack([poses[1:], last]))
+
+
+def resized(told: NedTrajectory, horizon: int) -> NedTrajectory:
+    """Bring an intention to the own horizon: cut, or its last step repeated."""
+    while len(told.poses) < horizon + 1:
+        last = told.poses[-1].copy()
+        last[:2] += told.poses[-1, :2] - told.poses[-2, :2]
+        told = NedTrajectory(np.vstack([told.poses, last]))
+    return told if len(told.poses) == horizon + 1 else NedTrajectory(told.poses[: horizon + 1])

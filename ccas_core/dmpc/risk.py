@@ -13,9 +13,7 @@ from .symbolic import Scalar
 COLUMNS = 6  # of a threat: x, y [m], q_xx, q_xy, q_yy [1/m^2], gain
 
 
-def collision_risk(
-    dx: Scalar, dy: Scalar, q_xx: Scalar, q_xy: Scalar, q_yy: Scalar, gain: Scalar
-) -> Scalar:
+def collision_risk(dx: Scalar, dy: Scalar, q_xx: Scalar, q_xy: Scalar, q_yy: Scalar, gain: Scalar) -> Scalar:
     """Risk of being `dx`, `dy` [m] from another ship: gain * exp(-d' Q d).
 
     Eq. (6) has Q = diag(1/alpha_x, 1/alpha_y), and gain = K_ca / sqrt(1 + K_d k).

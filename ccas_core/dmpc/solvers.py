@@ -182,7 +182,13 @@ class Ipopt(_NlpSolver):
             "expand": False,
             "print_time": False,
             "error_on_fail": False,
-            "ipopt": {"print_level": 0, "sb": "yes", "tol": TOLERANCE, "max_iter": 300, "max_wall_time": _WALL_TIME},
+            "ipopt": {
+                "print_level": 0,
+                "sb": "yes",
+                "tol": TOLERANCE,
+                "max_iter": 300,
+                "max_wall_time": _WALL_TIME,
+            },
         }
         programme = {"x": variables, "f": value, "g": ca.vertcat(*gaps), "p": parameters}
         free = np.full(3 * horizon, np.inf)
@@ -236,7 +242,10 @@ class Fatrop(_NlpSolver):
             "fatrop": {"print_level": 0, "tol": TOLERANCE, "max_iter": 300},
         }
         programme = {
-            "x": ca.vertcat(*variables), "f": value, "g": ca.vertcat(*constraints), "p": parameters,
+            "x": ca.vertcat(*variables),
+            "f": value,
+            "g": ca.vertcat(*constraints),
+            "p": parameters,
         }
 
         def pack(plan: LocalPlan, last_offset: float) -> FloatArray:
@@ -269,6 +278,26 @@ def _parameters(horizon: int, threats: int) -> tuple[Any, ca.SX, ca.SX, ca.SX, c
     fixed = ca.SX.sym("constants", model.constants)
     stages = ca.SX.sym("stages", model.stage_parameters, horizon)
     return model, initial, fixed, stages, ca.vertcat(initial, fixed, ca.vec(stages))
+
+
+class Recorder(AbstractLocalSolver):
+    """A solver that keeps what it is asked, every start of it, and has another one answer."""
+
+    def __init__(self, inner: AbstractLocalSolver) -> None:
+        self.name = inner.name
+        self.starts: list[tuple[LocalProblem, FloatArray]] = []
+        self._inner = inner
+
+    def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
+        """Keep a start, and have it solved."""
+        self.starts.append((problem, guess))
+        return self._inner.solve(problem, guess)
+
+    def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
+        """Keep all starts, and have them solved."""
+        known = tuple(guesses)
+        self.starts += [(problem, guess) for guess in known]
+        return self._inner.best(problem, known)
 
 
 def slots(threats: int) -> int:

@@ -219,9 +219,9 @@ def settle(figure: Figure, panels: Sequence[tuple[Axes, Sequence[Label]]]) -> No
 def below(figure: FigureBase, entries: Sequence[Artist]) -> None:
     """Put a legend below everything else, in as many rows as it needs."""
     root = figure.get_figure(root=True)
-    room = figure.bbox.width * 72.0 / (root.dpi if root else 72.0)
+    room = root.get_figwidth() * 72.0 if root else math.inf
     wanted = sum(SMALL * (5.6 + 0.62 * len(str(entry.get_label()))) for entry in entries)
-    rows = math.ceil(wanted / room)
+    rows = max(1, math.ceil(wanted / room))
     figure.legend(
         handles=entries,
         loc="outside lower center",

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from ..agent.bus import Bus
+from ..agent.events import AgentSettings, Decision, Sensed
 from ..agent.period import PeriodLog, run_period
-from ..agent.ship_agent import AgentSettings, Decision, Sensed, ShipAgent
+from ..agent.ship_agent import ShipAgent
 from ..dmpc.parameters import PROFILES, Settings, with_parameter
 from ..dmpc.solvers import AbstractLocalSolver
 from ..frames import NedTrajectory, PathPose, frozen_array

@@ -7,8 +7,7 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -27,20 +26,6 @@ _VOYAGE: Final = "tran2026/fig_12"
 _UPDATES: Final = "tran2026/six_ships"
 _REFERENCE: Final = "ipopt"
 _NOT_WORSE: Final = 1e-6  # difference of objectives that does not count
-
-
-@dataclass(slots=True, eq=False)
-class Recorder:
-    """A solver that takes note of what it is asked, every start of it."""
-
-    inner: AbstractLocalSolver
-    starts: list[tuple[LocalProblem, FloatArray]] = field(default_factory=list)
-
-    def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
-        """Take note of the starts, and have them solved."""
-        guesses = tuple(guesses)
-        self.starts += [(problem, guess) for guess in guesses]
-        return self.inner.best(problem, guesses)
 
 
 @answered
@@ -100,7 +85,7 @@ def _start_up() -> dict[str, float]:
     times = []
     for _ in range(5):
         began = time.perf_counter()
-        subprocess.run(command, check=True, capture_output=True)
+        subprocess.run(command, check=True, capture_output=True)  # noqa: S603 - our own program
         times.append(time.perf_counter() - began)
     return {"help_seconds": min(times)}
 
@@ -109,6 +94,7 @@ def _recorded(
     scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver, count: int
 ) -> list[tuple[LocalProblem, FloatArray]]:
     """Local problems and starts of a voyage, `count` of them evenly spread."""
+    from ccas_core.dmpc.solvers import Recorder
     from ccas_core.sim.voyage import voyage
 
     recorder = Recorder(solver)
@@ -130,7 +116,9 @@ def _updates(
     for problem, guess in starts:
         for name, solver in solvers.items():
             answers[name].append(solver.solve(problem, guess))
-    milliseconds = {name: np.array([1000.0 * each.seconds for each in found]) for name, found in answers.items()}
+    milliseconds = {
+        name: np.array([1000.0 * each.seconds for each in found]) for name, found in answers.items()
+    }
     reference = answers[_REFERENCE]
     found: dict[str, Any] = {"starts": len(starts), "reference": _REFERENCE}
     for name, times in milliseconds.items():
@@ -154,7 +142,9 @@ def _updates(
     return found
 
 
-def _sailed(scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver) -> float:
+def _sailed(
+    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver
+) -> float:
     """Wall time of a voyage [s]."""
     from ccas_core.sim.voyage import voyage
 
@@ -186,7 +176,9 @@ def _show(result: Mapping[str, Any]) -> None:
                 f"{voyage[name]['seconds']:.1f}",
             )
         )
-    talk.show(f"{update['starts']} starts of {_UPDATES}, N = 45, against {update['reference']}; voyage {_VOYAGE}")
+    talk.show(
+        f"{update['starts']} starts of {_UPDATES}, N = 45, against {update['reference']}; voyage {_VOYAGE}"
+    )
     talk.show_table(
         ("solver", ">median [ms]", ">p99 [ms]", ">max [ms]", ">times faster", ">converged", ">same optimum",
          ">better", ">worse", ">voyage [s]"),

@@ -34,7 +34,9 @@ RulesetId: TypeAlias = Annotated[
 ]
 SolverName: TypeAlias = Annotated[
     str,
-    typer.Option("--solver", metavar="NAME", help="Solver of the ships' local problems: fatrop, riccati or ipopt."),
+    typer.Option(
+        "--solver", metavar="NAME", help="Solver of the ships' local problems: riccati, fatrop or ipopt."
+    ),
 ]
 
 

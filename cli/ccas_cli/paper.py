@@ -129,7 +129,10 @@ def safe(summary: Summary) -> list[Claim]:
     return [
         Claim("no hulls touch", summary["collisions"] == 0),
         Claim("no hull enters a safety area", summary["entries"] == 0),
-        Claim("no ship leaves the waterway or strikes an obstacle", summary["groundings"] + summary["allisions"] == 0),
+        Claim(
+            "no ship leaves the waterway or strikes an obstacle",
+            summary["groundings"] + summary["allisions"] == 0,
+        ),
         Claim("every safety index is above zero", index is None or index > 0.0),
         Claim("every ship arrives, none is frozen", summary["frozen"] == 0),
     ]
@@ -139,7 +142,12 @@ def claims_of(row: Row, scenario: Scenario, summary: Summary) -> list[Claim]:
     """What must be true of a row of Table 2."""
     ships = summary["ships"]
     claims = [*safe(summary), *collides_if_nobody_acts(scenario)]
-    duties = {(give, stand) for each in summary["encounters"] for give in each["give_way"] for stand in each["stand_on"]}
+    duties = {
+        (give, stand)
+        for each in summary["encounters"]
+        for give in each["give_way"]
+        for stand in each["stand_on"]
+    }
     for give, stand in row.duties:
         claims.append(Claim(f"{give} is to give way to {stand}", (give, stand) in duties))
     claims += [Claim(f"{ship} acts", acts(ships[ship])) for ship in row.acts]
@@ -174,6 +182,7 @@ def holds(ship: Summary) -> bool:
 def collides_if_nobody_acts(scenario: Scenario) -> list[Claim]:
     """The case is worth its name: undisturbed ships collide, and reach the junction within one period."""
     import numpy as np
+
     from ccas_core.frames import PathPose
     from ccas_core.sim.hulls import Track, meetings
     from ccas_core.waterway import guiding_line

@@ -2,342 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated
 
 import typer
 
-from . import inputs, paper, talk
+from . import inputs, talk
 from .exits import Code, answered
-from .paper import Claim
-
-if TYPE_CHECKING:
-    from ccas_core.dmpc.solvers import AbstractLocalSolver
-    from ccas_core.sim.frame import Frame
-    from ccas_core.sim.scenario import Scenario
-    from ccas_core.tapd.ruleset import AbstractRuleset
-
-_SET: Final = "tran2026"
-_SEVEN: Final = tuple(f"fig_07{letter}" for letter in "abcdefghi")
-_ITERATIONS: Final = (1, 3, 6, 11)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Case:
-    """A scenario that was sailed."""
-
-    scenario: Scenario
-    frames: tuple[Frame, ...]
-    summary: Mapping[str, Any]
-
-
-@dataclass(slots=True, eq=False)
-class Bench:
-    """Sails scenarios of the paper, each at most once in a command."""
-
-    rulesets: Mapping[str, AbstractRuleset]
-    solver_name: str
-    solver: AbstractLocalSolver
-    out: Path
-    json: bool
-    cases: dict[str, Case] = field(default_factory=dict)
-    findings: dict[str, list[Claim]] = field(default_factory=dict)
-    data: dict[str, Any] = field(default_factory=dict)
-
-    def sail(self, name: str, change: Callable[[Scenario], Scenario] | None = None, label: str = "") -> Case:
-        """Sail a shipped scenario, changed if asked; `label` tells variants apart."""
-        from ccas_core.sim.metrics import summary
-        from ccas_core.sim.scenario_file import load_scenario
-        from ccas_core.sim.voyage import voyage
-        from ccas_scenarios import path
-
-        key = f"{name} {label}".strip()
-        if key not in self.cases:
-            talk.note(f"sailing {key} with {self.solver_name}")
-            scenario = load_scenario(path(f"{_SET}/{name}"), self.rulesets)
-            scenario = change(scenario) if change else scenario
-            frames = tuple(voyage(scenario, self.rulesets, self.solver))
-            self.cases[key] = Case(
-                scenario=scenario, frames=frames, summary=summary(scenario, frames, self.solver_name)
-            )
-        return self.cases[key]
-
-    def check(self, name: str, claims: Sequence[Claim]) -> None:
-        """Take note of claims, and print them."""
-        self.findings[name] = list(claims)
-        if self.json:
-            return
-        for claim in claims:
-            talk.show(f"  {'ok    ' if claim.holds else 'FAILED'}  {name}: {claim.text}")
-
-    def table(self, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-        """Print a table, unless JSON is asked for."""
-        if not self.json:
-            talk.show_table(headings, rows)
-            talk.show("")
-
-    def title(self, text: str) -> None:
-        """Print a heading, unless JSON is asked for."""
-        if not self.json:
-            talk.show(f"\n{text}\n")
-
-    def save(self, name: str, figure: Any) -> None:
-        """Write a figure, and say where."""
-        self.out.mkdir(parents=True, exist_ok=True)
-        file = self.out / f"{name}.png"
-        figure.savefig(file, dpi=150, metadata={"Software": None})
-        talk.note(f"drawn: {file}")
-
-
-def table_2(bench: Bench) -> None:
-    """All rows of Table 2: update times and safety indices beside the paper's, and who gave way."""
-    bench.title(f"Table 2, ours (solver {bench.solver_name}) beside the paper's")
-    rows, data = [], []
-    for row in paper.TABLE_2:
-        case = bench.sail(row.scenario)
-        for n, (id_, ship) in enumerate(case.summary["ships"].items()):
-            times = [ms / 1000.0 for frame in case.frames if id_ in frame.ships for ms in frame.ships[id_].update_ms]
-            entry = {
-                "scenario": row.scenario,
-                "ship": id_,
-                "max_s": max(times),
-                "mean_s": sum(times) / len(times),
-                "min_safety_index_m": ship["min_safety_index_m"],
-                "paper": {"max_s": row.max_s[n], "mean_s": row.mean_s[n], "min_safety_index_m": row.safety_index[n]},
-                "min_clearance_m": ship["min_clearance_m"],
-                "gave_way_to": _gave_way_to(case.summary, id_),
-                "acted": paper.acts(ship),
-                "delay_s": ship["delay_s"],
-            }
-            data.append(entry)
-            rows.append(
-                (
-                    row.title if n == 0 else "",
-                    id_,
-                    f"{entry['max_s']:.3f}",
-                    f"{row.max_s[n]:.3f}",
-                    f"{entry['mean_s']:.4f}",
-                    f"{row.mean_s[n]:.3f}",
-                    f"{ship['min_safety_index_m']:.1f}",
-                    f"{row.safety_index[n]:.1f}",
-                    "small" if ship["min_safety_index_m"] * paper.ALLOWANCE < row.safety_index[n] else "",
-                    f"{ship['min_clearance_m']:.1f}",
-                    "-" if ship["delay_s"] is None else f"{ship['delay_s']:.0f}",
-                    ", ".join(_gave_way_to(case.summary, id_)) or "-",
-                    "yes" if entry["acted"] else "no",
-                )
-            )
-    bench.data["table-2"] = data
-    bench.table(
-        (
-            "case", "ship", ">max [s]", ">paper", ">mean [s]", ">paper", ">min index [m]", ">paper", "",
-            ">min clearance [m]", ">delay [s]", "gives way to", "acted",
-        ),
-        rows,
-    )  # fmt: skip
-    for row in paper.TABLE_2:
-        case = bench.sail(row.scenario)
-        bench.check(row.scenario, paper.claims_of(row, case.scenario, case.summary))
-
-
-def _gave_way_to(summary: Mapping[str, Any], ship: str) -> list[str]:
-    """Ships to which this one owed way by the rules."""
-    return sorted(
-        other for each in summary["encounters"] if ship in each["give_way"] for other in each["ships"] if other != ship
-    )
-
-
-def figure_5(bench: Bench) -> None:
-    """Fig. 5: how the two ships of the head-on cases meet."""
-    from ccas_core.sim.plotting import paths
-
-    case = bench.sail("fig_07a")
-    bench.save("fig_05", paths(case.scenario, case.frames, times=[0.0], title="Fig. 5: head-on situation"))
-    bench.check("fig_05", paper.collides_if_nobody_acts(case.scenario))
-
-
-def figure_6(bench: Bench) -> None:
-    """Fig. 6: head-on alone, with an obstacle, and with overtaking and an obstacle."""
-    from ccas_core.sim.plotting import compare
-
-    names = {"fig_06a": "(a) head-on", "fig_06b": "(b) an obstacle", "fig_06c": "(c) overtaking, an obstacle"}
-    cases = {name: bench.sail(name) for name in names}
-    bench.save("fig_06", compare([(names[name], case.scenario, case.frames) for name, case in cases.items()]))
-    for name, case in cases.items():
-        bench.check(name, paper.head_on_claims(name, case.summary))
-
-
-def figure_7(bench: Bench) -> None:
-    """Fig. 7: head-on with nine sets of parameters."""
-    from ccas_core.sim.plotting import compare
-
-    cases = {name: bench.sail(name) for name in _SEVEN}
-    bench.title("Fig. 7: head-on with nine sets of parameters")
-    rows = []
-    for name, case in cases.items():
-        one, two = case.summary["ships"]["ship_1"], case.summary["ships"]["ship_2"]
-        rows.append(
-            (
-                f"({name[-1]})",
-                case.scenario.title.partition(", ")[2],
-                f"{_least_abeam(case):.1f}",
-                f"{one['max_offset_change_m']:.1f}",
-                f"{two['max_offset_change_m']:.1f}",
-                f"{_first_action(case, 'ship_2'):.0f}",
-            )
-        )
-    bench.table(
-        ("set", "change", ">lateral distance when abeam [m]", ">ship 1 offset [m]", ">ship 2 offset [m]",
-         ">ship 2 first acts [s]"),
-        rows,
-    )  # fmt: skip
-    labels = [(f"({name[-1]}) {case.scenario.title.partition(', ')[2]}", case) for name, case in cases.items()]
-    bench.save("fig_07", compare([(label, case.scenario, case.frames) for label, case in labels]))
-    for name, case in cases.items():
-        bench.check(name, paper.head_on_claims(name, case.summary))
-
-
-def _least_abeam(case: Case) -> float:
-    """Distance between the ships across the waterway when they are abeam [m]."""
-    frame = min(
-        (frame for frame in case.frames if len(frame.ships) > 1),
-        key=lambda frame: abs(frame.ships["ship_1"].pose.y - frame.ships["ship_2"].pose.y),  # type: ignore[index]
-    )
-    one, two = frame.ships.values()
-    return abs(one.pose.x - two.pose.x)
-
-
-def _first_action(case: Case, ship: str) -> float:
-    """Time at which a ship first changes its offset by more than 10 m [s]; not a number if never."""
-    times = (frame.time for frame in case.frames for id_, now in frame.ships.items() if id_ == ship
-             and abs(now.offset) > paper.ACTS_OFFSET)  # fmt: skip
-    return next(times, float("nan"))
-
-
-def figure_8(bench: Bench) -> None:
-    """Fig. 8: the difference between the local and the broadcast trajectory shrinks with iterations."""
-    from ccas_core.sim.plotting import residuals
-
-    cases = {n: bench.sail(f"fig_09_iter_{n:02d}") for n in _ITERATIONS}
-    bench.title("Fig. 8: greatest distance between local and broadcast trajectory after the last iteration [m]")
-    last = {n: [_last_residuals(case, ship) for ship in ("ship_1", "ship_2")] for n, case in cases.items()}
-    bench.table(
-        ("iter_max", ">ship 1, mean", ">ship 1, max", ">ship 2, mean", ">ship 2, max"),
-        [
-            (str(n), *(f"{figure:.4f}" for values in ships for figure in (sum(values) / len(values), max(values))))
-            for n, ships in last.items()
-        ],
-    )
-    bench.save("fig_08", residuals({n: case.frames for n, case in cases.items()}))
-    means = [max(sum(values) / len(values) for values in ships) for ships in last.values()]
-    bench.data["fig-8"] = {n: [max(values) for values in ships] for n, ships in last.items()}
-    falls = all(after < before for before, after in zip(means, means[1:], strict=False))
-    bench.check("fig_08", [Claim("the mean difference falls with every increase of iter_max", falls)])
-
-
-def _last_residuals(case: Case, ship: str) -> list[float]:
-    return [
-        now.residuals[-1] for frame in case.frames for id_, now in frame.ships.items() if id_ == ship and now.residuals
-    ]
-
-
-def figure_9(bench: Bench) -> None:
-    """Fig. 9: the solution with 1, 3, 6 and 11 iterations."""
-    from ccas_core.sim.plotting import compare
-
-    cases = {n: bench.sail(f"fig_09_iter_{n:02d}") for n in _ITERATIONS}
-    bench.save("fig_09", compare([(f"iter_max = {n}", case.scenario, case.frames) for n, case in cases.items()]))
-    for n, case in cases.items():
-        bench.check(f"fig_09, iter_max = {n}", paper.head_on_claims("fig_09", case.summary))
-
-
-def _crossing(name: str) -> Callable[[Bench], None]:
-    def figure(bench: Bench) -> None:
-        from ccas_core.sim.plotting import fleet
-
-        case = bench.sail(name)
-        bench.save(name, fleet(case.scenario, case.frames))
-        row = next(row for row in paper.TABLE_2 if row.scenario == name)
-        bench.check(name, paper.claims_of(row, case.scenario, case.summary))
-
-    return figure
-
-
-def figure_14(bench: Bench) -> None:
-    """Fig. 14: four ships in a ring, without and with detection of the deadlock."""
-    from ccas_core.sim.plotting import fleet
-
-    _crossing("fig_14")(bench)
-    without = bench.sail("fig_14_undetected")
-    bench.save("fig_14_undetected", fleet(without.scenario, without.frames))
-    result = without.summary
-    troubled = result["collisions"] > 0 or result["frozen"] > 0
-    words = f"{result['collisions']} collisions, {result['frozen']} ships frozen"
-    with_it = bench.sail("fig_14").summary
-    bench.check(
-        "fig_14_undetected",
-        [
-            Claim(f"without detection there is trouble ({words})", troubled),
-            Claim("with detection a deadlock is found and opened", bool(with_it["deadlocks"])),
-        ],
-    )
-
-
-def wait(bench: Bench) -> None:
-    """Both readings of wait(i) in Algorithm 2, side by side."""
-    from dataclasses import replace
-
-    from ccas_core.dmpc.parameters import Wait
-
-    bench.title("wait(i): interleaved and sequential")
-    rows = []
-    for name in ("fig_07a", *(row.scenario for row in paper.TABLE_2)):
-        for reading in Wait:
-            case = bench.sail(
-                name, lambda s, r=reading: replace(s, control=replace(s.control, wait=r)), label=reading.value
-            )  # fmt: skip
-            result = case.summary
-            delays = [ship["delay_s"] for ship in result["ships"].values()]
-            rows.append(
-                (
-                    name,
-                    reading.value,
-                    str(result["collisions"]),
-                    str(result["entries"]),
-                    str(result["frozen"]),
-                    f"{result['min_safety_index_m']:.1f}",
-                    "-" if None in delays else f"{max(delays):.0f}",
-                    ", ".join(id_ for id_, ship in result["ships"].items() if paper.acts(ship)),
-                )
-            )
-    bench.table(
-        ("case", "wait", ">collisions", ">entries", ">frozen", ">min index [m]", ">greatest delay [s]", "acted"), rows
-    )
-
-
-CASES: Final[dict[str, Callable[[Bench], None]]] = {
-    "table-2": table_2,
-    "fig-5": figure_5,
-    "fig-6": figure_6,
-    "fig-7": figure_7,
-    "fig-8": figure_8,
-    "fig-9": figure_9,
-    "fig-10": _crossing("fig_10"),
-    "fig-11": _crossing("fig_11"),
-    "fig-12": _crossing("fig_12"),
-    "fig-13": _crossing("fig_13"),
-    "fig-14": figure_14,
-    "wait": wait,
-}
+from .reproduction import CASES, Reproduction
 
 
 @answered
 def reproduce(
     context: typer.Context,
-    case: Annotated[str, typer.Argument(metavar="[CASE]", help="table-2, fig-5 to fig-14, wait, or all.")] = "all",
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where pictures go.")] = Path("reproduction"),
+    case: Annotated[
+        str, typer.Argument(metavar="[CASE]", help="table-2, fig-5 to fig-14, wait, or all.")
+    ] = "all",
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where pictures go.")] = Path(
+        "reproduction"
+    ),
     solver: inputs.SolverName = "fatrop",
     as_json: talk.AsJson = False,
 ) -> None:
@@ -357,18 +40,22 @@ def reproduce(
         hint = did_you_mean(case, [*CASES, "all"])
         raise InputError(Diagnostic(source="reproduce", message=f"unknown case {case!r}", hint=hint))
     rulesets = inputs.load_plugins(context).rulesets
-    bench = Bench(rulesets=rulesets, solver_name=solver, solver=make_solver(solver), out=out, json=as_json)
+    made = Reproduction(
+        rulesets=rulesets, solver_name=solver, solver=make_solver(solver), out=out, json=as_json
+    )
     for name, do in CASES.items():
         if case in (name, "all"):
-            do(bench)
-    failed = sum(not claim.holds for claims in bench.findings.values() for claim in claims)
+            do(made)
+    failed = sum(not claim.holds for claims in made.findings.values() for claim in claims)
     if as_json:
         claims = {
             name: [{"text": claim.text, "holds": claim.holds} for claim in found]
-            for name, found in bench.findings.items()
+            for name, found in made.findings.items()
         }
-        talk.show_json({"case": case, "solver": solver, "data": bench.data, "claims": claims, "failed": failed})
+        talk.show_json(
+            {"case": case, "solver": solver, "data": made.data, "claims": claims, "failed": failed}
+        )
     else:
-        talk.show(f"\n{sum(map(len, bench.findings.values()))} claims, {failed} failed")
+        talk.show(f"\n{sum(map(len, made.findings.values()))} claims, {failed} failed")
     if failed:
         raise typer.Exit(Code.FINDINGS)

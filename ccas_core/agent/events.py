@@ -1,0 +1,89 @@
+"""What a ship's agent is set to, what reaches it besides messages, and what it wants after a step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from ..dmpc.local_problem import LocalProblem, Solution
+from ..dmpc.parameters import Settings
+from ..frames import FloatArray, NedPose, NedTrajectory
+from ..priority import Opening, Settlement
+from ..roles import Geometry
+from .messages import Message
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timers:
+    """Times within a period, from its beginning unless stated otherwise [s]."""
+
+    listen: float = 1.0  # reports are awaited until then
+    settle: float = 3.0  # verdicts are awaited until then
+    deadlock: float = 2.0  # T_DL: without progress for so long, a deadlock is looked for
+    resend: float = 1.0  # a ship repeats its last word after so long, while others still need it
+    deadline: float = 15.0  # a decision leaves the ship by then
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentSettings:
+    """How a ship's agent is set."""
+
+    profiles: Mapping[Geometry, Settings]  # control settings by geometry (Sec. 5.4)
+    profile: Geometry | None = None  # None: by the encounters at hand
+    deadlock_detection: bool = True
+    timers: Timers = field(default_factory=Timers)
+
+
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """The ship's own instruments, at the beginning of a period."""
+
+    period: int
+    pose: NedPose
+    speed: float  # over ground [m/s]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solved:
+    """The answer to a request."""
+
+    problem: LocalProblem
+    solution: Solution
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Request:
+    """A local problem that the ship wants solved, and the guesses to start from."""
+
+    problem: LocalProblem
+    guesses: tuple[FloatArray, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Decision:
+    """What a ship does for one period, and all that led to it."""
+
+    offset: float  # u^y [m]
+    speed_factor: float  # u^s
+    ruleset: str
+    plan: NedTrajectory
+    settlements: tuple[Settlement, ...]
+    openings: tuple[Opening, ...]
+    outcome: str
+    fallback: str
+    update_ms: tuple[float, ...]
+    residuals: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """What a ship wants after a step; `wake_at` None means: not before a message comes."""
+
+    outbox: tuple[Message, ...] = ()
+    wake_at: float | None = None
+    request: Request | None = None
+    decision: Decision | None = None
+
+
+Event: TypeAlias = Message | Sensed | Solved
