@@ -136,9 +136,11 @@ class Riccati(AbstractLocalSolver):
 
         The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So each guess
         is followed a second time by way of a problem whose B_1 is `WIDENING` times wider; answers
-        found so come after all others, and win if they are better.
+        found so come after all others, and win if they are better.  A single guess is followed as it is:
+        it asks for the minimum next to it, as an iteration of NADMM does that goes on from its own plan.
         """
-        return self.choose(self.solve_all(problem, guesses, widen=True))
+        starts = tuple(guesses)
+        return self.choose(self.solve_all(problem, starts, widen=len(starts) > 1))
 
     def solve_all(
         self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
