@@ -75,7 +75,11 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     "did you mean 'length'?"
     >>> did_you_mean("xyz", ["length", "beam"])
     'known: beam, length'
+    >>> did_you_mean("xyz", [])
+    'there are none'
     """
     names = sorted(known)
+    if not names:
+        return "there are none"
     near = difflib.get_close_matches(word, names, n=1)
     return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}"

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Protocol
 
 import pluggy
 
@@ -33,7 +33,7 @@ class EntryPoint(Protocol):
     def value(self) -> str:
         """Module that it points at."""
 
-    def load(self) -> Any:
+    def load(self) -> object:
         """Import the plugin."""
 
 

@@ -6,7 +6,7 @@ edge carries no duty.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from types import MappingProxyType
@@ -42,7 +42,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """An edge that was left out of the order, and by which criterion: the order there is not the legal one."""
+    """An edge left out of the order, and by which criterion: the order there is not the legal one."""
 
     edge: Edge
     criterion: str
@@ -212,7 +212,7 @@ def open_cycles(
     """
     left: Digraph = nx.DiGraph(graph)
     openings = []
-    for edge in tuple(_order_edges_on_cycles(left)):
+    for edge in order_edges_on_cycles(left):
         left.remove_edge(edge.first, edge.then)
         openings.append(Opening(edge, "no duty"))
     generations = []
@@ -221,8 +221,10 @@ def open_cycles(
         for component in source_components(left):
             first = min(component, key=lambda ship: (masses[ship], ship))
             generation.append(first)
-            for other in sorted(left.predecessors(first)):
-                openings.append(Opening(Edge(other, first, left.edges[other, first]["kind"]), "lightest first"))
+            openings.extend(
+                Opening(Edge(other, first, left.edges[other, first]["kind"]), "lightest first")
+                for other in sorted(left.predecessors(first))
+            )
         left.remove_nodes_from(generation)
         generations.append(tuple(sorted(generation)))
     return tuple(generations), tuple(openings)
@@ -235,8 +237,8 @@ def source_components(graph: Digraph) -> Iterator[frozenset[ShipId]]:
             yield frozenset(component)
 
 
-def _order_edges_on_cycles(graph: Digraph) -> Iterable[Edge]:
+def order_edges_on_cycles(graph: Digraph) -> tuple[Edge, ...]:
+    """Edges without a duty between ships that wait for one another: the first to be left out."""
     home = {ship: n for n, ring in enumerate(nx.strongly_connected_components(graph)) for ship in ring}
-    for first, then, kind in sorted(graph.edges(data="kind")):
-        if kind is EdgeKind.ORDER and home[first] == home[then]:
-            yield Edge(first, then, kind)
+    edges = (Edge(first, then, graph.edges[first, then]["kind"]) for first, then in sorted(graph.edges))
+    return tuple(e for e in edges if e.kind is EdgeKind.ORDER and home[e.first] == home[e.then])

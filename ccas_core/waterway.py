@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,11 +21,13 @@ from .frames import FloatArray, NedPose, PathFrame, PathPose, frozen_array
 from .ships import Facts
 
 if TYPE_CHECKING:
-    from shapely import Geometry
+    from shapely import Point
+    from shapely.geometry.base import BaseGeometry
 
 BANK_MARGIN = 5.0  # water that the hull leaves free towards the bank [m]
 OFFSET_LIMIT = 60.0  # y_max: bound of the cross-track offset (Table 1) [m]
 _BEND_STEP = math.radians(5.0)  # a rounded corner turns by no more than this at a vertex [rad]
+_HAIRPIN = 1e-9  # 1 + cos of a turn that has no mitre: the line goes back where it came from
 _BEYOND_ENDS = 500.0  # banks go on past the ends of a centreline, so that arriving is not grounding [m]
 
 
@@ -118,7 +121,7 @@ class Waters:
         """Centre of the intersection of two waterways, known to all ships; None if they do not meet."""
         return _junction(self, min(one, other), max(one, other))
 
-    def banks(self) -> Geometry:
+    def banks(self) -> BaseGeometry:
         """Navigable water as one shape: the union of all waterways, prolonged past their ends."""
         from shapely import LineString, union_all
 
@@ -128,19 +131,25 @@ class Waters:
             ends = (frame.to_ned(PathPose(x, 0.0, 0.0)) for x in (-_BEYOND_ENDS, frame.length + _BEYOND_ENDS))
             first, last = ends
             line = [(first.x, first.y), *map(tuple, waterway.centreline), (last.x, last.y)]
-            reaches.append(LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre"))
+            reaches.append(
+                LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre")
+            )
         return union_all(reaches)
 
 
 @lru_cache(maxsize=1024)
 def _junction(waters: Waters, one: str, other: str) -> NedPose | None:
-    from shapely import LineString
+    point = _meeting_point(waters.waterway(one).centreline, waters.waterway(other).centreline)
+    return NedPose(float(point.x), float(point.y), 0.0) if point else None
 
-    meeting = LineString(waters.waterway(one).centreline).intersection(LineString(waters.waterway(other).centreline))
+
+def _meeting_point(one: FloatArray, other: FloatArray) -> Point | None:
+    from shapely import LineString, Point
+
+    meeting = LineString(one).intersection(LineString(other))
     if meeting.is_empty:
         return None
-    point = meeting.representative_point() if meeting.geom_type != "Point" else meeting
-    return NedPose(float(point.x), float(point.y), 0.0)
+    return meeting if isinstance(meeting, Point) else meeting.representative_point()
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,11 +195,13 @@ def guiding_line(waters: Waters, legs: Sequence[Leg], turn_radius: float = 300.0
     Raises
     ------
     ValueError
-        If two legs that follow one another do not meet.
+        If two legs that follow one another do not meet or double back, or a centreline turns back on itself.
     """
     corners = _beside(waters, legs[0])
     joins: list[FloatArray] = []
-    for before, after in zip(legs, legs[1:], strict=False):
+    for before, after in pairwise(legs):
+        if before.waterway == after.waterway and before.towards is not after.towards:
+            raise ValueError(f"the legs along {before.waterway!r} double back")
         onward = _beside(waters, after)
         corners, join = _joined(corners, onward, f"{before.waterway!r} and {after.waterway!r}")
         joins.append(join)
@@ -207,9 +218,11 @@ def _beside(waters: Waters, leg: Leg) -> FloatArray:
     steps = steps / np.hypot(steps[:, 0], steps[:, 1])[:, None]
     starboard = np.column_stack([-steps[:, 1], steps[:, 0]])
     before, after = np.vstack([starboard[:1], starboard]), np.vstack([starboard, starboard[-1:]])
-    mitre = before + after
-    mitre /= np.einsum("nk,nk->n", mitre, before)[:, None]
-    return line + leg.offset * mitre
+    mitre: FloatArray = before + after
+    reach: FloatArray = np.einsum("nk,nk->n", mitre, before)  # 1 + cos of the turn
+    if np.any(reach < _HAIRPIN):
+        raise ValueError(f"the centreline of {leg.waterway!r} turns back on itself")
+    return line + leg.offset * mitre / reach[:, None]
 
 
 def _joined(first: FloatArray, second: FloatArray, names: str) -> tuple[FloatArray, FloatArray]:
@@ -217,13 +230,14 @@ def _joined(first: FloatArray, second: FloatArray, names: str) -> tuple[FloatArr
     from shapely import LineString, Point
 
     one, two = LineString(first), LineString(second)
-    meeting = one.intersection(two)
-    if meeting.is_empty:
+    point = _meeting_point(first, second)
+    if point is None:
         raise ValueError(f"the legs along {names} do not meet")
-    point = meeting if isinstance(meeting, Point) else meeting.representative_point()
     until, since = one.project(point), two.project(point)
     head = [xy for xy in first if one.project(Point(xy)) < until - 1e-6]
     tail = [xy for xy in second if two.project(Point(xy)) > since + 1e-6]
+    if not head and not tail:
+        raise ValueError(f"the legs along {names} double back")
     join = np.array([point.x, point.y])
     return np.vstack([*head, join, *tail]), join
 

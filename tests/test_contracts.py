@@ -37,7 +37,9 @@ WRONG_IMPORTS = (
     ("ccas_rulesets", "pluggy", "pluggy is imported"),
     ("ccas_core.priority", "yaml", "yaml is imported"),
     ("ccas_cli", "yaml", "yaml is imported"),
+    ("ccas_core.strict_yaml", "yaml", "yaml is imported"),
     ("ccas_core.sim.frame", "matplotlib", "matplotlib is imported"),
+    ("ccas_core.dmpc.solvers", "numba", "numba is imported"),
     ("ccas_core.sim", "typer", "typer and rich are imported"),
     ("ccas_scenarios", "rich", "typer and rich are imported"),
 )

@@ -13,32 +13,20 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ccas_core import strict_yaml
+from ccas_core import quantities, yaml_nodes
 from ccas_core.errors import Diagnostic, InputError, RulesetError
+from ccas_core.findings import MAX_BYTES, MAX_FINDINGS, read_text
+from ccas_core.quantities import ANGLE, LENGTH, MASS, NUMBER, SPEED, TIME, Range
 from ccas_core.roles import Role
-from ccas_core.strict_yaml import (
-    ANGLE,
-    LENGTH,
-    MASS,
-    NUMBER,
-    SPEED,
-    TIME,
-    Mapping,
-    Node,
-    Range,
-    Reader,
-    Scalar,
-    Sequence,
-    read_text,
-    written,
-)
+from ccas_core.strict_yaml import Reader
+from ccas_core.yaml_nodes import Mapping, Node, Scalar, Sequence, written
 
 
 @pytest.fixture(params=["CSafeLoader", "SafeLoader"])
 def parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Both parsers of pyyaml: the one in C is not installed everywhere."""
     name = str(request.param)
-    monkeypatch.setattr(strict_yaml, "_LOADER", getattr(yaml, name))
+    monkeypatch.setattr(yaml_nodes, "_LOADER", getattr(yaml, name))
     return name
 
 
@@ -136,7 +124,7 @@ def test_ten_megabytes_of_nesting_are_refused_quickly(tmp_path: Path, piece: str
 
 @pytest.mark.parametrize("piece", ["[", "{a: ", "- ", "? "])
 def test_deep_nesting_within_the_size_is_refused_quickly(parser: str, piece: str) -> None:
-    text = piece * (strict_yaml.MAX_BYTES // len(piece))
+    text = piece * (MAX_BYTES // len(piece))
     before = time.process_time()
 
     (finding,) = findings(text)
@@ -146,7 +134,7 @@ def test_deep_nesting_within_the_size_is_refused_quickly(parser: str, piece: str
 
 
 def test_nesting_up_to_the_bound_is_read() -> None:
-    depth = strict_yaml.MAX_DEPTH
+    depth = yaml_nodes.MAX_DEPTH
 
     Reader("[" * depth + "]" * depth, "file.yaml").finish()
     assert findings("[" * (depth + 1) + "]" * (depth + 1))[0].column == depth + 1
@@ -181,8 +169,8 @@ def test_an_alias_repeats_its_anchor() -> None:
 def test_findings_come_in_the_order_of_the_file_and_stop_when_there_are_too_many() -> None:
     told = findings("a: 1\n" * 300)
 
-    assert len(told) == strict_yaml.MAX_FINDINGS
-    assert [each.line for each in told] == list(range(2, strict_yaml.MAX_FINDINGS + 2))
+    assert len(told) == MAX_FINDINGS
+    assert [each.line for each in told] == list(range(2, MAX_FINDINGS + 2))
 
 
 # --- files -------------------------------------------------------------------------------------
@@ -329,11 +317,11 @@ def test_every_key_and_value_knows_its_place() -> None:
         ("1 NM", LENGTH, 1852.0),
         ("'1.2 km'", LENGTH, 1200.0),
         ("0.5", NUMBER, 0.5),
-        ("0.0092 1/m", strict_yaml.CURVATURE, 0.0092),
-        ("6724 m2", strict_yaml.AREA, 6724.0),
+        ("0.0092 1/m", quantities.CURVATURE, 0.0092),
+        ("6724 m2", quantities.AREA, 6724.0),
     ],
 )
-def test_numbers_with_units_are_read_in_si(text: str, quantity: strict_yaml.Quantity, value: float) -> None:
+def test_numbers_with_units_are_read_in_si(text: str, quantity: quantities.Quantity, value: float) -> None:
     reader, node = value_of(text)
 
     assert reader.number(node, quantity) == pytest.approx(value, rel=1e-11)
@@ -483,7 +471,7 @@ def test_a_text_that_is_written_is_read_back(text: str) -> None:
     st.floats(allow_nan=False, allow_infinity=False, width=32), st.sampled_from([TIME, ANGLE, MASS, SPEED])
 )
 def test_a_number_that_is_kept_is_written_and_read_back_bit_for_bit(
-    value: float, quantity: strict_yaml.Quantity
+    value: float, quantity: quantities.Quantity
 ) -> None:
     kept = quantity.keep(value)
     reader, node = value_of(quantity.write(kept))
@@ -496,7 +484,7 @@ def test_a_number_that_is_kept_is_written_and_read_back_bit_for_bit(
 @given(st.text(alphabet="ab01.-:,#'\"[]{}&*!|>%@`?~< \n\t\\\0é\u2028", max_size=60), st.booleans())
 def test_garbage_is_read_or_refused_but_nothing_else(text: str, in_c: bool) -> None:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(strict_yaml, "_LOADER", yaml.CSafeLoader if in_c else yaml.SafeLoader)
+        patch.setattr(yaml_nodes, "_LOADER", yaml.CSafeLoader if in_c else yaml.SafeLoader)
         with contextlib.suppress(InputError):
             reader = Reader(text, "file.yaml")
             reader.block(reader.root).done()

@@ -20,9 +20,22 @@ from .risk import COLUMNS, collision_risk
 
 STATES = 4  # x, y [m], course [rad], last offset [m]
 CONTROLS = 2  # offset u^y [m], speed factor u^s
-CONSTANTS = (
-    "speed time_step time_constant course_limit steering_gain K_y K_s mu_1 mu_2 mu_3 r_2 gamma_s gamma_y beta"
-).split()
+CONSTANTS = [
+    "speed",
+    "time_step",
+    "time_constant",
+    "course_limit",
+    "steering_gain",
+    "K_y",
+    "K_s",
+    "mu_1",
+    "mu_2",
+    "mu_3",
+    "r_2",
+    "gamma_s",
+    "gamma_y",
+    "beta",
+]
 
 
 @dataclass(frozen=True, slots=True)

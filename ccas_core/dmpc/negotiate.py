@@ -117,18 +117,8 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     """State (13b) for the next update: neighbours in the own frame (steps 5 to 11), and z^{s+1/2}."""
     situation = negotiation.situation
     settings = situation.settings
-    threats = [
-        threat(
-            situation.hull,
-            neighbour.hull,
-            situation.frame.trajectory_to_path(neighbour.trajectory),
-            settings.risk,
-            settings.weights,
-        )
-        for neighbour in neighbours
-    ]
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
-    problem = _problem(situation, threats)
+    problem = _problem(situation, _threats(situation, neighbours))
     return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
 
 
@@ -167,16 +157,7 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     A plan is clear if it stays outside the risk ellipse (one e-th of the height) of every neighbour.
     """
     settings = situation.settings
-    threats = [
-        threat(
-            situation.hull,
-            neighbour.hull,
-            situation.frame.trajectory_to_path(neighbour.trajectory),
-            settings.risk,
-            settings.weights,
-        )
-        for neighbour in neighbours
-    ]
+    threats = _threats(situation, neighbours)
     problem = _problem(situation, threats)
     if situation.last_controls is not None:
         plan = rollout(problem, situation.last_controls)
@@ -184,6 +165,15 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
             return plan, "the last plan goes on"
     slow = np.column_stack([np.full(settings.horizon, situation.last_offset), np.zeros(settings.horizon)])
     return rollout(problem, slow), "the ship slows down"
+
+
+def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> list[FloatArray]:
+    """Neighbours as the local problem sees them, in the own frame."""
+    risk, weights = situation.settings.risk, situation.settings.weights
+    return [
+        threat(situation.hull, each.hull, situation.frame.trajectory_to_path(each.trajectory), risk, weights)
+        for each in neighbours
+    ]
 
 
 def _clear(plan: LocalPlan, threats: Sequence[FloatArray]) -> bool:

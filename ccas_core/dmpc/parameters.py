@@ -113,8 +113,12 @@ class Settings:
             raise ValueError("horizon and iterations must be at least 1")
 
 
-HEAD_ON: Final = Settings()
-CROSSING: Final = replace(HEAD_ON, weights=replace(HEAD_ON.weights, K_y=5.0))
+HEAD_ON: Final = Settings(
+    weights=Weights(K_ca=900.0, mu_2=4.16),
+    risk=Risk(kappa_across=0.9),
+    starts=(Start.LAST, Start.STARBOARD),
+)
+CROSSING: Final = Settings(weights=Weights(K_y=5.0))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
 
 
@@ -124,27 +128,27 @@ class Parameter:
 
     group: str  # field of `Settings` that holds it, or "" for `Settings` itself
     name: str  # field there
-    unit: str  # "" for a bare number; else a unit as in `ccas_core.units`
+    unit: str  # as files write it; "" for a bare number: a weight's own unit stands in its meaning
     low: float
     high: float
     meaning: str
 
 
-def _weight(name: str, meaning: str, unit: str = "") -> Parameter:
-    return Parameter("weights", name, unit, 0.0, 1e9, meaning)
+def _weight(name: str, meaning: str) -> Parameter:
+    return Parameter("weights", name, "", 0.0, 1e9, meaning)
 
 
 PARAMETERS: Final[dict[str, Parameter]] = {
     "K_ca": _weight("K_ca", "height of the collision risk"),
     "K_d": _weight("K_d", "discount of the risk per step"),
-    "K_y": _weight("K_y", "weight of a change of offset"),
-    "K_s": _weight("K_s", "weight of a change of speed"),
+    "K_y": _weight("K_y", "weight of a change of offset [1/m^2]"),
+    "K_s": _weight("K_s", "weight of a change of speed factor [1]"),
     "mu_1": _weight("mu_1", "weight of B_1 of the speed factor"),
     "mu_2": _weight("mu_2", "weight of B_1 of the offset"),
-    "mu_3": _weight("mu_3", "weight of B_2, the penalty on turns to port"),
-    "r_2": Parameter("weights", "r_2", "", -1e3, 1e3, "shift of B_2"),
+    "mu_3": _weight("mu_3", "weight of B_2, the penalty on turns to port [1/m]"),
+    "r_2": Parameter("weights", "r_2", "", -1e3, 1e3, "shift of B_2 [m]"),
     "gamma_s": Parameter("weights", "gamma_s", "", 1e-9, 1e9, "width of B_1 of the speed factor"),
-    "gamma_y": Parameter("weights", "gamma_y", "", 1e-9, 1e9, "width of B_1 of the offset"),
+    "gamma_y": Parameter("weights", "gamma_y", "", 1e-9, 1e9, "width of B_1 of the offset [m^2]"),
     "kappa_along": Parameter("risk", "kappa_along", "", 1e-3, 1e3, "risk ellipse along the other's course"),
     "kappa_across": Parameter(
         "risk", "kappa_across", "", 1e-3, 1e3, "risk ellipse across the other's course"
@@ -154,7 +158,7 @@ PARAMETERS: Final[dict[str, Parameter]] = {
     "T_1": Parameter("kinematics", "time_constant", "s", 1e-3, 1e6, "time constant of the course"),
     "chi_max": Parameter("kinematics", "course_limit", "rad", 1e-3, math.pi / 2, "greatest steering angle"),
     "K_e": Parameter("kinematics", "steering_gain", "1/m", 1e-9, 1e3, "gain of the line-of-sight steering"),
-    "beta": Parameter("", "beta", "", 1e-12, 1e6, "penalty of NADMM"),
+    "beta": Parameter("", "beta", "", 1e-12, 1e6, "penalty of NADMM [1/m^2]"),
     "lambda": Parameter("", "relaxation", "", 1e-9, 2.0 - 1e-9, "relaxation of NADMM"),
 }
 

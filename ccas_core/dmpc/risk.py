@@ -45,7 +45,7 @@ def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weigh
     gain = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
     if risk.shape is RiskShape.AXIS_BOUND:
         ones = np.ones(len(poses))
-        form = (ones / risk.alpha_x, 0.0 * ones, ones / risk.alpha_y)
+        form: tuple[FloatArray, ...] = (ones / risk.alpha_x, 0.0 * ones, ones / risk.alpha_y)
     else:
         form = _course_aligned(own, other, poses[:, 2], risk)
     return np.column_stack([poses[:, 0], poses[:, 1], *form, gain])

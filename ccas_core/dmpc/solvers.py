@@ -18,8 +18,8 @@ from typing import Any, Final
 import casadi as ca
 import numpy as np
 
-from ..errors import InputError, Diagnostic, did_you_mean
-from ..frames import FloatArray, PathTrajectory
+from ..errors import Diagnostic, InputError, did_you_mean
+from ..frames import FloatArray
 from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import CONTROLS, STATES, constants, objective, rollout, stage_model, stage_parameters
 from .outcome import Outcome
@@ -138,7 +138,7 @@ def _judged(
     else:
         plan = rollout(problem, controls)
         value = objective(problem, plan)
-        outcome = _outcome(bool(stats.get("success", False)), message)
+        outcome = _outcome(message, success=bool(stats.get("success", False)))
         if not math.isfinite(value):
             outcome = Outcome.NOT_FINITE
     return Solution(
@@ -146,7 +146,7 @@ def _judged(
     )
 
 
-def _outcome(success: bool, message: str) -> Outcome:
+def _outcome(message: str, *, success: bool) -> Outcome:
     if success:
         return Outcome.CONVERGED
     words = message.lower()
@@ -178,7 +178,7 @@ class Ipopt(_NlpSolver):
             state = ca.vertcat(poses[:, k], controls[0, k])
             value += model.state_cost(state, stages[:, k], fixed)
         variables = ca.vertcat(ca.vec(poses), ca.vec(controls))
-        options = {
+        options: dict[str, Any] = {
             "expand": False,
             "print_time": False,
             "error_on_fail": False,
@@ -233,7 +233,7 @@ class Fatrop(_NlpSolver):
             variables += [states[k], controls[k]]
         variables.append(states[horizon])
         count = sum(part.numel() for part in constraints)
-        options = {
+        options: dict[str, Any] = {
             "expand": False,
             "print_time": False,
             "error_on_fail": False,

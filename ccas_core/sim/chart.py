@@ -16,9 +16,10 @@ import shapely
 
 from ..frames import FloatArray
 from ..ships import ShipId
+from .conduct import KEEPING_FACTOR, KEEPING_OFFSET, is_met
 from .frame import Frame, ShipFrame
 from .hulls import Track, safety_rectangles, track
-from .metrics import KEEPING_FACTOR, KEEPING_OFFSET, guiding_frames, is_met, safety_indices
+from .metrics import guiding_frames, safety_indices
 from .scenario import Scenario
 
 # The first three as in the paper, blue, green and red, in tones that colour-blind readers tell apart.

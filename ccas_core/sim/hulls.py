@@ -7,7 +7,7 @@ length by beam, along the course, in the inertial frame {n}.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -21,7 +21,7 @@ from ..waterway import Obstacle
 from .frame import Frame, ShipFrame
 
 if TYPE_CHECKING:
-    from shapely import Geometry
+    from shapely.geometry.base import BaseGeometry
 
 Polygons: TypeAlias = NDArray[Any]  # of shapely polygons: NumPy knows them as objects only
 
@@ -59,6 +59,11 @@ class Track:
 def under_way(frame: Frame) -> dict[ShipId, ShipFrame]:
     """Ships of a frame that have not arrived."""
     return {id_: ship for id_, ship in frame.ships.items() if id_ not in frame.arrived}
+
+
+def states(frames: Iterable[Frame], id_: ShipId) -> Iterator[ShipFrame]:
+    """States of one ship, in all frames in which it is under way."""
+    return (ships[id_] for frame in frames if id_ in (ships := under_way(frame)))
 
 
 def track(ship: Ship, line: PathFrame, frames: Iterable[Frame]) -> Track:
@@ -185,7 +190,7 @@ def _sums(each: FloatArray) -> FloatArray:
     return each[:, None] + each
 
 
-def is_grounded(sailed: Track, banks: Geometry) -> bool:
+def is_grounded(sailed: Track, banks: BaseGeometry) -> bool:
     """Whether the hull was ever outside the banks."""
     poses = sailed.at(instants(sailed, sailed))
     clear = shapely.buffer(banks, -_radius(sailed.ship.hull.length, sailed.ship.hull.beam))

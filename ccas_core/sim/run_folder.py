@@ -1,4 +1,4 @@
-"""A run folder: what a voyage leaves on the disk, written as it sails, and read again.
+"""A run folder: what a voyage leaves on the disk, written as it sails.
 
 Four files: `scenario.yaml`, `frames.csv`, `decisions.jsonl`, and `summary.json`, which comes last and whole.
 """
@@ -11,18 +11,18 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Final, Self, TextIO, cast
+from typing import Final, Self, TextIO
 
 from ..errors import Diagnostic, InputError
 from ..priority import Edge, Settlement
 from ..ships import ShipId
 from ..verdict import Verdict
+from .conduct import is_met
 from .frame import Frame
 from .hulls import under_way
-from .metrics import guiding_frames, is_met, plain, safety_indices
+from .metrics import guiding_frames, plain, safety_indices
 from .scenario import Scenario
 
 SCENARIO: Final = "scenario.yaml"
@@ -42,32 +42,6 @@ COLUMNS: Final = (
     "ruleset",
 )
 _OURS: Final = (SUMMARY, FRAMES, DECISIONS, SCENARIO, "frames.parquet", "*.png")  # the summary goes first
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """One ship at one instant, as `frames.csv` has it."""
-
-    time: float  # [s]
-    ship: ShipId
-    east: float  # [m]
-    north: float  # [m]
-    course: float  # [rad]
-    speed: float  # [m/s]
-    offset: float  # u^y [m]
-    speed_factor: float  # u^s
-    safety_index: float | None  # [m]; None for a ship alone
-    ruleset: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
-    """What a run folder holds; `summary` is None where the run was cut short."""
-
-    scenario: str  # text of scenario.yaml
-    rows: tuple[Row, ...]
-    decisions: tuple[Mapping[str, object], ...]
-    summary: Mapping[str, object] | None
 
 
 class RunWriter:
@@ -91,7 +65,7 @@ class RunWriter:
         self._met: set[tuple[ShipId, ShipId]] = set()
         self._files: tuple[TextIO, TextIO] | None = None
         self._open = ExitStack()
-        with _explained(folder):
+        with explained(folder):
             _refuse_strangers(folder)
 
     def __enter__(self) -> Self:
@@ -104,7 +78,7 @@ class RunWriter:
 
     def write(self, frame: Frame) -> None:
         """Add one frame."""
-        with _explained(self.folder):
+        with explained(self.folder):
             rows, decisions = self._files or self._begin()
             rows.write(_csv(self._rows(frame)))
             rows.flush()
@@ -116,7 +90,7 @@ class RunWriter:
         if self._files is None:
             raise ValueError("a run without frames has no summary")
         self.close()
-        with _explained(self.folder):
+        with explained(self.folder):
             text = json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
             part = self.folder / f".{SUMMARY}.part"
             with part.open("w", encoding="utf-8", newline="\n") as file:
@@ -127,7 +101,7 @@ class RunWriter:
 
     def close(self) -> None:
         """Close the files; what was written stays."""
-        with _explained(self.folder):
+        with explained(self.folder):
             self._open.close()
 
     def _begin(self) -> tuple[TextIO, TextIO]:
@@ -217,89 +191,13 @@ def _joins(edge: Edge, settlement: Settlement) -> bool:
     return {edge.first, edge.then} == set(settlement.pair)
 
 
-def read_run(folder: Path) -> Run:
-    """Read a run folder, also one whose run was broken off.
-
-    Raises
-    ------
-    InputError
-        If the folder holds no run, or a file in it cannot be read.
-    """
-    with _explained(folder, "cannot be read", "is the run complete, and are you allowed to read it?"):
-        if not _is_run(folder):
-            raise InputError(
-                Diagnostic(
-                    source=str(folder),
-                    message="no run is here",
-                    expected=f"a folder with {FRAMES}",
-                    hint="`ccas simulate SCENARIO --out FOLDER` makes one",
-                )
-            )
-        summary = folder / SUMMARY
-        return Run(
-            scenario=_text(folder / SCENARIO),
-            rows=tuple(_read_rows(folder / FRAMES)),
-            decisions=tuple(
-                _read_object(folder / DECISIONS, line, number)
-                for number, line in enumerate(_whole_lines(folder / DECISIONS), start=1)
-            ),
-            summary=_read_object(summary, _text(summary)) if summary.exists() else None,
-        )
-
-
-def _read_rows(file: Path) -> Iterator[Row]:
-    for number, row in enumerate(csv.DictReader(_whole_lines(file)), start=2):
-        try:
-            yield Row(
-                time=float(row["time_s"]),
-                ship=ShipId(row["ship"]),
-                east=float(row["east_m"]),
-                north=float(row["north_m"]),
-                course=float(row["course_rad"]),
-                speed=float(row["speed_mps"]),
-                offset=float(row["u_y_m"]),
-                speed_factor=float(row["u_s"]),
-                safety_index=float(row["safety_index_m"]) if row["safety_index_m"] else None,
-                ruleset=row["ruleset"],
-            )
-        except (KeyError, TypeError, ValueError) as error:
-            raise _damaged(file, number, f"columns {', '.join(COLUMNS)}") from error
-
-
-def _read_object(file: Path, text: str, number: int = 1) -> Mapping[str, object]:
-    try:
-        found = json.loads(text)
-    except ValueError as error:
-        raise _damaged(file, number, "JSON") from error
-    if not isinstance(found, dict):
-        raise _damaged(file, number, "a JSON object")
-    return cast("dict[str, object]", found)
-
-
-def _damaged(file: Path, line: int, expected: str) -> InputError:
-    return InputError(
-        Diagnostic(source=str(file), line=line, column=1, message="cannot be understood", expected=expected)
-    )
-
-
-def _whole_lines(file: Path) -> list[str]:
-    """Lines of a file; the last one only if it was written to its end."""
-    return _text(file).split("\n")[:-1]
-
-
-def _text(file: Path) -> str:
-    try:
-        return file.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise _damaged(file, 1, "UTF-8 text") from error
-
-
-def _is_run(folder: Path) -> bool:
+def is_run(folder: Path) -> bool:
+    """Whether a folder holds a run, whole or broken off."""
     return any((folder / name).is_file() for name in (SUMMARY, FRAMES))
 
 
 def _refuse_strangers(folder: Path) -> None:
-    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not _is_run(folder))):
+    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not is_run(folder))):
         raise InputError(
             Diagnostic(
                 source=str(folder),
@@ -311,7 +209,7 @@ def _refuse_strangers(folder: Path) -> None:
 
 
 @contextmanager
-def _explained(
+def explained(
     folder: Path,
     what: str = "cannot be written",
     hint: str = "free space, or choose another folder with --out",

@@ -44,7 +44,9 @@ def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]
     """Carry the memory of a pair on by a period, given the verdict of one of its views."""
     facts = situation.facts(verdict.own, verdict.other)
     own_overtakes = verdict.kind is Kind.GIVE_WAY
-    overtaker = (verdict.own if own_overtakes else verdict.other) if verdict.geometry == "overtaking" else None
+    overtaker = (
+        (verdict.own if own_overtakes else verdict.other) if verdict.geometry == "overtaking" else None
+    )
     if facts.encounter.overtaker is not None:
         overtaker = facts.encounter.overtaker
     pair = (min(verdict.own, verdict.other), max(verdict.own, verdict.other))

@@ -8,13 +8,14 @@ merely waits for a ring must not jump the queue.  `priority.open_cycles` gives t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import networkx as nx
 
-from ..priority import Edge, EdgeKind, Opening
+from ..priority import Edge, EdgeKind, Opening, order_edges_on_cycles
 from ..ships import ShipId
 
 
@@ -29,7 +30,9 @@ class Waiting:
         object.__setattr__(self, "waits_for", MappingProxyType(dict(self.waits_for)))
 
 
-def released(own: ShipId, heard: Mapping[ShipId, Waiting], decided: Set[ShipId]) -> tuple[Opening, ...] | None:
+def released(
+    own: ShipId, heard: Mapping[ShipId, Waiting], decided: AbstractSet[ShipId]
+) -> tuple[Opening, ...] | None:
     """Say whether `own` may decide although it waits, and which edges that opens.
 
     None where it may not: because others come first, or because not all is heard yet.  Call it
@@ -43,12 +46,10 @@ def released(own: ShipId, heard: Mapping[ShipId, Waiting], decided: Set[ShipId])
         graph.add_node(ship)
         graph.add_edges_from((before, ship, {"kind": kind}) for before, kind in heard[ship].waits_for.items())
     openings = []
-    home = {ship: n for n, ring in enumerate(nx.strongly_connected_components(graph)) for ship in ring}
-    for before, ship, kind in sorted(graph.edges(data="kind")):
-        if kind is EdgeKind.ORDER and home[before] == home[ship]:
-            graph.remove_edge(before, ship)
-            if ship == own:
-                openings.append(Opening(Edge(before, ship, kind), "no duty"))
+    for edge in order_edges_on_cycles(graph):
+        graph.remove_edge(edge.first, edge.then)
+        if edge.then == own:
+            openings.append(Opening(edge, "no duty"))
     graph.remove_nodes_from([ship for ship in graph if ship in decided and ship != own])
     rings = nx.strongly_connected_components(graph)
     ring = next(ring for ring in rings if own in ring)
@@ -56,8 +57,10 @@ def released(own: ShipId, heard: Mapping[ShipId, Waiting], decided: Set[ShipId])
         return None
     if own != min(ring, key=lambda ship: (heard[ship].mass, ship)):
         return None
-    for before in sorted(graph.predecessors(own)):
-        openings.append(Opening(Edge(before, own, graph.edges[before, own]["kind"]), "lightest first"))
+    openings.extend(
+        Opening(Edge(before, own, graph.edges[before, own]["kind"]), "lightest first")
+        for before in sorted(graph.predecessors(own))
+    )
     return tuple(openings)
 
 

@@ -64,7 +64,9 @@ class PairFacts:
         return self.own.speed > STOPPED and self.other.speed > STOPPED
 
 
-def assess(waters: Waters, own: ShipReport, other: ShipReport, encounter: Encounter = NO_ENCOUNTER) -> PairFacts:
+def assess(
+    waters: Waters, own: ShipReport, other: ShipReport, encounter: Encounter = NO_ENCOUNTER
+) -> PairFacts:
     """Assess a pair of ships on a chart.
 
     Notes
@@ -88,7 +90,9 @@ def assess(waters: Waters, own: ShipReport, other: ShipReport, encounter: Encoun
         other_time_to_intersection=time_to_intersection(waters, other, own.waterway),
         courses_cross_from=math.sin(own.pose.course - other.pose.course),
         own_on_starboard_side=sides[own.id] if own.id in sides else follows_starboard_side(waters, own),
-        other_on_starboard_side=sides[other.id] if other.id in sides else follows_starboard_side(waters, other),
+        other_on_starboard_side=sides[other.id]
+        if other.id in sides
+        else follows_starboard_side(waters, other),
         encounter=encounter,
     )
 
@@ -118,7 +122,9 @@ def is_crossing(facts: PairFacts, time_limit: float) -> bool:
     """
     times = (facts.own_time_to_intersection, facts.other_time_to_intersection)
     return (
-        facts.under_way and facts.own.waterway != facts.other.waterway and all(0.0 <= t < time_limit for t in times)
+        facts.under_way
+        and facts.own.waterway != facts.other.waterway
+        and all(0.0 <= t < time_limit for t in times)
     )
 
 

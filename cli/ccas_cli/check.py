@@ -70,7 +70,7 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
 
 
 def _findings(file: Path, checks: Mapping[str, Check]) -> Iterator[Diagnostic]:
-    from ccas_core.strict_yaml import read_text
+    from ccas_core.findings import read_text
 
     try:
         text = read_text(file)
@@ -81,8 +81,9 @@ def _findings(file: Path, checks: Mapping[str, Check]) -> Iterator[Diagnostic]:
 
 def _check_for(text: str, source: str, checks: Mapping[str, Check]) -> Check:
     """Choose by the schema; a file that names none is left to the first check, which says what to write."""
-    from ccas_core.strict_yaml import Mapping as Keys
-    from ccas_core.strict_yaml import Reader, Scalar
+    from ccas_core.strict_yaml import Reader
+    from ccas_core.yaml_nodes import Mapping as Keys
+    from ccas_core.yaml_nodes import Scalar
 
     reader = Reader(text, source)
     first = next(iter(checks.values()))

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from . import paper, talk
 from .paper import Claim
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
     from ccas_core.dmpc.parameters import Wait
     from ccas_core.dmpc.solvers import AbstractLocalSolver
@@ -33,6 +32,13 @@ class Case:
     scenario: Scenario
     frames: tuple[Frame, ...]
     summary: Mapping[str, Any]
+
+
+class Picture(Protocol):
+    """A figure, for this module need not know who draws it."""
+
+    def savefig(self, fname: Path, *, dpi: float, metadata: dict[str, None]) -> None:
+        """Write the figure."""
 
 
 @dataclass(slots=True, eq=False)
@@ -90,11 +96,11 @@ class Reproduction:
         if not self.json:
             talk.show(text)
 
-    def save(self, name: str, figure: Figure) -> None:
+    def save(self, name: str, picture: Picture) -> None:
         """Write a figure, and say where."""
         self.out.mkdir(parents=True, exist_ok=True)
         file = self.out / f"{name}.png"
-        figure.savefig(file, dpi=150, metadata={"Software": None})
+        picture.savefig(file, dpi=150, metadata={"Software": None})
         talk.note(f"drawn: {file}")
 
 

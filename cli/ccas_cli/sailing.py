@@ -17,7 +17,7 @@ from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import summary
 from ccas_core.sim.run_folder import RunWriter
 from ccas_core.sim.scenario import Scenario
-from ccas_core.sim.scenario_file import dump_scenario
+from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.voyage import undisturbed_times, voyage
 from ccas_core.tapd.ruleset import AbstractRuleset
 

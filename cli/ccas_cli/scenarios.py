@@ -26,7 +26,8 @@ def scenarios(as_json: talk.AsJson = False) -> None:
 def _title(name: str) -> str:
     """Title of a shipped scenario, without reading the rest of it."""
     import ccas_scenarios
-    from ccas_core.strict_yaml import Reader, read_text
+    from ccas_core.findings import read_text
+    from ccas_core.strict_yaml import Reader
 
     path = ccas_scenarios.path(name)
     reader = Reader(read_text(path), str(path))

@@ -83,7 +83,9 @@ class Tran2026(PairRuleset):
         kind = Kind.GIVE_WAY if facts.courses_cross_from > 0.0 else Kind.STAND_ON
         reason = "the ship that comes from port gives way"
         if own:
-            reason += "; the text has this rule for ships that do not follow the starboard side, these both do"
+            reason += (
+                "; the text has this rule for ships that do not follow the starboard side, these both do"
+            )
         return self._verdict(
             facts, kind, geometry, "crossing.from-starboard", _cite("Sec. 3.1, crossing"), reason
         )

@@ -14,7 +14,8 @@ from ccas_cli import sailing
 from ccas_cli.sailing import watched
 from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import summary
-from ccas_core.sim.run_folder import COLUMNS, read_run
+from ccas_core.sim.run_folder import COLUMNS
+from ccas_core.sim.run_reading import read_run
 from ccas_core.sim.scenario_file import load_scenario
 
 from . import TWO_SHIPS, ccas, ccas_alone

@@ -13,18 +13,9 @@ from ccas_core.frames import NedPose, PathFrame
 from ccas_core.priority import Edge, EdgeKind, Opening
 from ccas_core.roles import Geometry, PassingSide
 from ccas_core.ships import Hull, Ship, ShipId
+from ccas_core.sim.conduct import Encounter, Judgement, encounters, judge
 from ccas_core.sim.frame import Frame
-from ccas_core.sim.metrics import (
-    Encounter,
-    Judgement,
-    deadlocks,
-    encounters,
-    guiding_frames,
-    judge,
-    plain,
-    safety_indices,
-    summary,
-)
+from ccas_core.sim.metrics import deadlocks, guiding_frames, plain, safety_indices, summary
 from ccas_core.sim.scenario import Scenario
 from ccas_core.verdict import Kind
 from ccas_core.waterway import Obstacle

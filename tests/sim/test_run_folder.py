@@ -17,7 +17,8 @@ from ccas_core.roles import PassingSide
 from ccas_core.sim import run_folder
 from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import summary
-from ccas_core.sim.run_folder import RunWriter, read_run
+from ccas_core.sim.run_folder import RunWriter
+from ccas_core.sim.run_reading import read_run
 from ccas_core.verdict import Kind
 
 from . import EAST, WEST, A, B, Settled, always, plan, scenario, settlement, voyage

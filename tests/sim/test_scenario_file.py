@@ -17,7 +17,8 @@ from ccas_core.errors import Diagnostic, ScenarioError
 from ccas_core.frames import NedPose
 from ccas_core.ships import UNKNOWN, Hull, Ship, ShipId
 from ccas_core.sim.scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
-from ccas_core.sim.scenario_file import dump_scenario, load_scenario, parse_scenario
+from ccas_core.sim.scenario_dump import dump_scenario
+from ccas_core.sim.scenario_file import load_scenario, parse_scenario
 from ccas_core.units import DEGREE
 from ccas_core.waterway import Leg, Obstacle, Region, Towards, Waters, Waterway
 
