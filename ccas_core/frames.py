@@ -119,6 +119,11 @@ class PathFrame:
         """Length of the guiding line [m]."""
         return float(self._distances[-1])
 
+    @property
+    def is_straight(self) -> bool:
+        """Whether the guiding line has no corner."""
+        return len(self._courses) == 1
+
     def course_at(self, x: float) -> float:
         """Course of the guiding line [rad] at distance x [m] along it."""
         return float(self._courses[self._segment(np.array([x]))[0]])
@@ -162,7 +167,11 @@ class PathFrame:
         gap, tangent = gap[rows, nearest], self._tangents[nearest]
         across = tangent[:, 0] * gap[:, 1] - tangent[:, 1] * gap[:, 0]
         beyond = along[rows, nearest] != foot[rows, nearest]  # outside of a bend: distance to its corner
-        y = np.where(beyond, np.copysign(np.hypot(gap[:, 0], gap[:, 1]), across), across)
+        corner = nearest + (along[rows, nearest] > foot[rows, nearest])
+        inner = np.clip(corner, 1, len(self._lengths) - 1)
+        come, go = self._tangents[inner - 1], self._tangents[inner]
+        outside = go[:, 0] * come[:, 1] - go[:, 1] * come[:, 0]  # of a bend to starboard: to port
+        y = np.where(beyond, np.copysign(np.hypot(gap[:, 0], gap[:, 1]), outside), across)
         x = self._distances[nearest] + foot[rows, nearest]
         turn = poses[:, 2] - self._courses[nearest]
         course = np.arctan2(np.sin(turn), np.cos(turn))

@@ -123,10 +123,16 @@ def _ask(point: EntryPoint, trace: Callable[[str], object] | None) -> list[Abstr
     manager.register(plugin, name=point.name)
     _check_names(plugin)
     manager.check_pending()
-    rulesets = [ruleset for answer in manager.hook.ccas_rulesets() for ruleset in answer]
+    answers = manager.hook.ccas_rulesets()
+    if len(answers) < len(manager.hook.ccas_rulesets.get_hookimpls()):  # pluggy drops None
+        raise TypeError("ccas_rulesets must return rulesets, got None")
+    rulesets = [ruleset for answer in answers for ruleset in answer]
     for ruleset in rulesets:
         if not isinstance(ruleset, AbstractRuleset):
             raise TypeError(f"ccas_rulesets must return rulesets, got {type(ruleset).__name__}")
+        for name in ("id", "version", "title"):
+            if not isinstance(value := getattr(ruleset, name, None), str) or not value:
+                raise TypeError(f"{name} of {type(ruleset).__name__} must be a text, got {value!r}")
     if trace is not None:
         trace(f"{point.name}: ccas_rulesets -> {', '.join(ruleset.id for ruleset in rulesets) or 'nothing'}")
     return rulesets

@@ -23,16 +23,7 @@ _E = TypeVar("_E", bound=StrEnum)
 
 
 class Reader(Findings):
-    """Reads the values of one file, and collects all that is wrong with them.
-
-    Parameters
-    ----------
-    text
-        The text of the file.
-    source
-        What the file is called in findings.
-    kind
-        What to raise.
+    """Reads the values of one file, and collects all that is wrong with them; made as `Findings` are.
 
     Raises
     ------

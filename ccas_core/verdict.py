@@ -77,6 +77,9 @@ class Verdict:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "facts", MappingProxyType(dict(self.facts)))
+        needed = self.kind in (Kind.COOPERATE, Kind.PROHIBITED)
+        if self.initiator not in (self.own, self.other) and (needed or self.initiator is not None):
+            raise ValueError(f"the initiator must be {self.own!r} or {self.other!r}, got {self.initiator!r}")
 
     @property
     def pair(self) -> frozenset[ShipId]:
@@ -119,6 +122,8 @@ def agree(one: Verdict, other: Verdict) -> str:
         return f"{one.own} sees {one.kind}, {other.own} sees {other.kind}"
     if one.initiator != other.initiator:
         return f"{one.own} takes {one.initiator} for the initiator, {other.own} takes {other.initiator}"
+    if one.side_chosen_by != other.side_chosen_by:
+        return f"{one.own} leaves the side to {one.side_chosen_by}, {other.own} to {other.side_chosen_by}"
     if one.passing_side is not other.passing_side:
         return f"{one.own} would pass {one.passing_side}, {other.own} {other.passing_side}"
     return ""

@@ -28,6 +28,8 @@ BANK_MARGIN = 5.0  # water that the hull leaves free towards the bank [m]
 OFFSET_LIMIT = 60.0  # y_max: bound of the cross-track offset (Table 1) [m]
 _BEND_STEP = math.radians(5.0)  # a rounded corner turns by no more than this at a vertex [rad]
 _HAIRPIN = 1e-9  # 1 + cos of a turn that has no mitre: the line goes back where it came from
+_LEAST_CUT = 1.0  # a corner that is cut by less stays sharp [m]
+_NARROWER = 0.8  # by which an arc that leaves the water is narrowed, again and again
 _BEYOND_ENDS = 500.0  # banks go on past the ends of a centreline, so that arriving is not grounding [m]
 
 
@@ -169,6 +171,7 @@ class GuidingLine:
     legs: tuple[Leg, ...]
     leg_starts: tuple[float, ...]  # distance along the line at which each leg begins [m]
     widths: tuple[float, ...]  # of each leg's waterway [m]
+    centrelines: tuple[PathFrame, ...]  # of each leg's waterway, in the sense of travel
 
     def leg_at(self, x: float) -> Leg:
         """Leg at a distance [m] along the line."""
@@ -182,8 +185,12 @@ class GuidingLine:
         """
         index = self._index(x)
         room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
-        offset = self.legs[index].offset
+        offset = self.legs[index].offset if self.frame.is_straight else self._beside_centreline(index, x)
         return min(0.0, max(-OFFSET_LIMIT, -room - offset)), max(0.0, min(OFFSET_LIMIT, room - offset))
+
+    def _beside_centreline(self, index: int, x: float) -> float:
+        """Offset of the line from the centreline [m]; on a rounded corner it is not that of the leg."""
+        return self.centrelines[index].to_path(self.frame.to_ned(PathPose(x, 0.0, 0.0))).y
 
     def _index(self, x: float) -> int:
         return max(0, bisect_right(self.leg_starts, x) - 1)
@@ -197,18 +204,28 @@ def guiding_line(waters: Waters, legs: Sequence[Leg], turn_radius: float = 300.0
     ValueError
         If two legs that follow one another do not meet or double back, or a centreline turns back on itself.
     """
-    corners = _beside(waters, legs[0])
+    sailed: list[FloatArray] = []  # what lies behind the leg at hand
+    current = _beside(waters, legs[0])
     joins: list[FloatArray] = []
     for before, after in pairwise(legs):
         if before.waterway == after.waterway and before.towards is not after.towards:
             raise ValueError(f"the legs along {before.waterway!r} double back")
-        onward = _beside(waters, after)
-        corners, join = _joined(corners, onward, f"{before.waterway!r} and {after.waterway!r}")
+        names = f"{before.waterway!r} and {after.waterway!r}"
+        head, join, tail = _joined(current, _beside(waters, after), names)
+        sailed.append(head)
         joins.append(join)
-    frame = PathFrame(_rounded(corners, turn_radius))
+        current = np.vstack([join, tail])
+    corners = _distinct(np.vstack([*sailed, current]))
+    frame = PathFrame(_rounded(corners, turn_radius, waters.banks()))
     starts = [0.0] + [frame.to_path(NedPose(float(join[0]), float(join[1]), 0.0)).x for join in joins]
-    widths = tuple(waters.waterway(leg.waterway).width for leg in legs)
-    return GuidingLine(frame=frame, legs=tuple(legs), leg_starts=tuple(starts), widths=widths)
+    waterways = [waters.waterway(leg.waterway) for leg in legs]
+    return GuidingLine(
+        frame=frame,
+        legs=tuple(legs),
+        leg_starts=tuple(starts),
+        widths=tuple(waterway.width for waterway in waterways),
+        centrelines=tuple(waterway.frame(leg.towards) for waterway, leg in zip(waterways, legs, strict=True)),
+    )
 
 
 def _beside(waters: Waters, leg: Leg) -> FloatArray:
@@ -225,49 +242,76 @@ def _beside(waters: Waters, leg: Leg) -> FloatArray:
     return line + leg.offset * mitre / reach[:, None]
 
 
-def _joined(first: FloatArray, second: FloatArray, names: str) -> tuple[FloatArray, FloatArray]:
-    """Follow the first line to the point where it meets the second, then the second."""
+def _joined(first: FloatArray, second: FloatArray, names: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Follow the first line to the point where it meets the second, then the second: head, join, tail.
+
+    A waterway may end at another's centreline; then the lines beside them are prolonged to one another.
+    """
     from shapely import LineString, Point
 
-    one, two = LineString(first), LineString(second)
     point = _meeting_point(first, second)
     if point is None:
+        first, second = _prolonged(first, last=True), _prolonged(second, last=False)
+        point = _meeting_point(first, second)
+    if point is None:
         raise ValueError(f"the legs along {names} do not meet")
+    one, two = LineString(first), LineString(second)
     until, since = one.project(point), two.project(point)
     head = [xy for xy in first if one.project(Point(xy)) < until - 1e-6]
     tail = [xy for xy in second if two.project(Point(xy)) > since + 1e-6]
     if not head and not tail:
         raise ValueError(f"the legs along {names} double back")
     join = np.array([point.x, point.y])
-    return np.vstack([*head, join, *tail]), join
+    return np.reshape(head, (len(head), 2)), join, np.reshape(tail, (len(tail), 2))
 
 
-def _rounded(corners: FloatArray, radius: float) -> FloatArray:
-    """Replace each corner by an arc of short chords, tangent to both sides."""
-    points = [corners[0]]
+def _prolonged(line: FloatArray, *, last: bool) -> FloatArray:
+    """Carry a line on beyond its last vertex, or before its first, by y_max."""
+    end, inner = (line[-1], line[-2]) if last else (line[0], line[1])
+    beyond = end + OFFSET_LIMIT * (end - inner) / np.hypot(*(end - inner))
+    return np.vstack([line, beyond]) if last else np.vstack([beyond, line])
+
+
+def _rounded(corners: FloatArray, radius: float, banks: BaseGeometry) -> FloatArray:
+    """Replace each corner by an arc of short chords, tangent to both sides and between the banks."""
+    points = [corners[:1]]
     for before, corner, after in zip(corners, corners[1:], corners[2:], strict=False):
-        come, go = corner - before, after - corner
-        come_length, go_length = np.hypot(*come), np.hypot(*go)
-        come, go = come / come_length, go / go_length
-        turn = math.atan2(come[0] * go[1] - come[1] * go[0], float(come @ go))
-        if abs(turn) < _BEND_STEP or abs(turn) > math.pi - 1e-6:
-            points.append(corner)
-            continue
-        cut = min(radius * math.tan(abs(turn) / 2.0), come_length / 2.0, go_length / 2.0)
+        points.append(_arc(before, corner, after, radius, banks))
+    points.append(corners[-1:])
+    return _distinct(np.vstack(points))
+
+
+def _arc(
+    before: FloatArray, corner: FloatArray, after: FloatArray, radius: float, banks: BaseGeometry
+) -> FloatArray:
+    """Chords of the widest arc of at most `radius` that rounds a corner without leaving the water."""
+    from shapely import LineString
+
+    come, go = corner - before, after - corner
+    come_length, go_length = np.hypot(*come), np.hypot(*go)
+    come, go = come / come_length, go / go_length
+    turn = math.atan2(come[0] * go[1] - come[1] * go[0], float(come @ go))
+    if abs(turn) < _BEND_STEP or abs(turn) > math.pi - 1e-6:
+        return corner[None]
+    cut = min(radius * math.tan(abs(turn) / 2.0), come_length / 2.0, go_length / 2.0)
+    while cut > _LEAST_CUT:
         arc = cut / math.tan(abs(turn) / 2.0)
-        side = math.copysign(1.0, turn)
         entry = corner - cut * come
-        centre = entry + side * arc * np.array([-come[1], come[0]])
-        steps = math.ceil(abs(turn) / _BEND_STEP)
-        for step in range(steps + 1):
-            angle = turn * step / steps
-            spoke = entry - centre
-            rotated = [
-                spoke[0] * math.cos(angle) - spoke[1] * math.sin(angle),
-                spoke[0] * math.sin(angle) + spoke[1] * math.cos(angle),
-            ]
-            points.append(centre + rotated)
-    points.append(corners[-1])
+        centre = entry + math.copysign(arc, turn) * np.array([-come[1], come[0]])
+        angles = np.linspace(0.0, turn, math.ceil(abs(turn) / _BEND_STEP) + 1)
+        cos, sin = np.cos(angles), np.sin(angles)
+        spoke = entry - centre
+        chords: FloatArray = centre + np.column_stack(
+            [spoke[0] * cos - spoke[1] * sin, spoke[0] * sin + spoke[1] * cos]
+        )
+        if banks.covers(LineString(chords)):
+            return chords
+        cut *= _NARROWER
+    return corner[None]
+
+
+def _distinct(points: FloatArray) -> FloatArray:
+    """Leave out vertices that repeat the one before."""
     kept = [points[0]]
     for point in points[1:]:
         if np.hypot(*(point - kept[-1])) > 1e-6:

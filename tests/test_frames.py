@@ -194,9 +194,6 @@ def test_offset_stays_on_its_side_all_the_way_around_a_bend(y: float) -> None:
     assert sides == {math.copysign(1.0, y)}
 
 
-@pytest.mark.xfail(
-    reason="across is taken from one chord: behind a bend of more than 90 degrees its sign turns"
-)
 def test_offset_stays_on_its_side_all_the_way_around_a_hairpin() -> None:
     hairpin = PathFrame(np.array([[0.0, 0.0], [1000.0, 0.0], [500.0, 300.0]]))
     spokes = np.linspace(-math.pi / 2 + 0.01, math.pi / 3, 40)

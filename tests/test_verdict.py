@@ -86,7 +86,6 @@ def test_views_that_would_pass_on_different_sides_disagree() -> None:
     assert "would pass" in agree(replace(one, passing_side=PassingSide.PORT_TO_PORT), other)
 
 
-@pytest.mark.xfail(reason="agree does not compare side_chosen_by: both ships may take the choice for theirs")
 def test_views_that_leave_the_side_to_different_ships_disagree() -> None:
     one, other = views(Kind.MUTUAL, Kind.MUTUAL)
 
@@ -146,9 +145,6 @@ def test_article_is_that_of_the_citation_or_nothing(citation: Citation | None, a
     assert replace(verdict(A, B, Kind.NONE), citation=citation).article == article
 
 
-@pytest.mark.xfail(
-    reason="a verdict takes any initiator: none gives neither edge nor fallback, a third an unknown ship"
-)
 @pytest.mark.parametrize("initiator", [C, None])
 @pytest.mark.parametrize("kind", [Kind.COOPERATE, Kind.PROHIBITED])
 def test_initiator_must_be_one_of_the_two_ships(kind: Kind, initiator: ShipId | None) -> None:

@@ -200,9 +200,6 @@ def test_route_over_two_legs_changes_leg_on_the_way_whichever_way_it_turns(offse
         assert 0.0 < line.leg_starts[1] < line.frame.length
 
 
-@pytest.mark.xfail(
-    reason="an arc of 300 m cuts the corner of the junction: only the length of the legs bounds it"
-)
 @pytest.mark.parametrize("offset", [0.0, 20.0])
 def test_route_that_turns_at_a_junction_stays_between_the_banks(offset: float) -> None:
     banks = CHART.banks()
@@ -212,9 +209,6 @@ def test_route_that_turns_at_a_junction_stays_between_the_banks(offset: float) -
         assert covers(banks, LineString(line.frame.vertices))
 
 
-@pytest.mark.xfail(
-    reason="an arc of 300 m cuts the corner of the bend: only the length of the chords bounds it"
-)
 def test_route_along_a_bent_waterway_stays_between_the_banks() -> None:
     bent = way("bent", (0.0, 0.0), (1000.0, 0.0), (1000.0, 1000.0))
     waters = Waters(ruleset="bpr", waterways=(bent,))
@@ -224,7 +218,6 @@ def test_route_along_a_bent_waterway_stays_between_the_banks() -> None:
     assert covers(waters.banks(), LineString(line.frame.vertices))
 
 
-@pytest.mark.xfail(reason="limits take the line for parallel to the centreline, also on the arc of a corner")
 def test_limits_on_a_rounded_corner_keep_the_hull_between_the_banks() -> None:
     bent = way("bent", (0.0, 0.0), (1000.0, 0.0), (1500.0, 500.0))
     waters = Waters(ruleset="bpr", waterways=(bent,))
@@ -254,9 +247,6 @@ def test_route_over_three_legs_changes_leg_in_their_order() -> None:
     assert [line.leg_at(x) for x in middles] == legs
 
 
-@pytest.mark.xfail(
-    reason="a leg is joined to the whole line so far: where it crosses the first, the second is lost"
-)
 def test_third_leg_that_crosses_the_first_too_is_joined_to_the_second() -> None:
     slant = way(
         "slant", (-1500.0, -2500.0), (2500.0, 1500.0)
@@ -275,9 +265,6 @@ def test_legs_that_do_not_meet_are_refused_by_name() -> None:
         guiding_line(CHART, [Leg("canal", Towards.END), Leg("far", Towards.END)])
 
 
-@pytest.mark.xfail(
-    raises=ValueError, reason="lines beside a centreline are not prolonged to the other waterway"
-)
 @pytest.mark.parametrize("offset", [0.0, 20.0])
 def test_branch_that_ends_at_a_centreline_can_be_entered_from_its_starboard_side(offset: float) -> None:
     branch = way("branch", (0.0, 0.0), (3000.0, 0.0))

@@ -40,7 +40,10 @@ def run_period(
     Every agent is to have a decision before its deadline; that is checked, not assumed.
     """
     bus.join(agents)
-    inboxes: dict[ShipId, list[Event]] = {ship: [reading] for ship, reading in sensed.items()}
+    late = bus.collect(now)  # the last promises of the period before
+    inboxes: dict[ShipId, list[Event]] = {
+        ship: [*late.get(ship, ()), reading] for ship, reading in sensed.items()
+    }
     wake: dict[ShipId, float] = dict.fromkeys(sensed, now)
     decisions: dict[ShipId, Decision] = {}
     generations: list[tuple[ShipId, ...]] = []

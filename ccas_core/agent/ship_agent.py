@@ -23,11 +23,11 @@ from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import PriorityGraph, settle
+from ..priority import Opening, PriorityGraph, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
-from ..tapd.deadlock import Waiting, released
+from ..tapd.deadlock import Waiting, opened_orders, released
 from ..tapd.encounters import NO_ENCOUNTER, Encounter
 from ..tapd.ruleset import AbstractRuleset, Pair, Situation
 from ..verdict import Kind, Verdict
@@ -104,6 +104,7 @@ class ShipAgent:
             return self._give_up(now, period, negotiation, outbox, late)
         if any(isinstance(event, Solved) for event in inbox):
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
+        self._open_orders(period)
         if self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
             return self._ask(period, negotiation, outbox)
         wake_at = period.began + timers.deadline
@@ -136,7 +137,9 @@ class ShipAgent:
             ruleset=self._waters.ruleset_at(sensed.pose),
         )
         if self._period is not None:
-            self._promises = {ship: carried_on(told) for ship, told in self._period.intentions.items()}
+            promised = self._period.decided
+            told = self._period.intentions.items()
+            self._promises = {ship: carried_on(plan) for ship, plan in told if ship in promised}
             self._last_reports = {**self._period.reports}
         self._period = Period(index=sensed.period, began=now, own=own, progressed=now)
         return Report(self.ship.id, sensed.period, own)
@@ -215,6 +218,18 @@ class ShipAgent:
         told = negotiate.progress_of(period.told, sorted(period.waits_for))
         return negotiate.may_update(negotiation.situation.settings.wait, negotiation.iteration, told)
 
+    def _open_orders(self, period: Period) -> None:
+        """Wait no longer where an order edge lies on a cycle: nobody owes anything by it."""
+        if not self._settings.deadlock_detection:
+            return
+        openings = opened_orders(self.ship.id, period.waiting, period.decided)
+        self._open(period, openings)
+
+    def _open(self, period: Period, openings: tuple[Opening, ...]) -> None:
+        new = [opening for opening in openings if opening not in period.openings]
+        period.openings += new
+        period.waits_for -= {opening.edge.first for opening in new}
+
     def _released(self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message]) -> bool:
         """Open a deadlock, if there is one and this ship is the one to open it."""
         if not self._settings.deadlock_detection or now < period.progressed + self._settings.timers.deadlock:
@@ -224,8 +239,7 @@ class ShipAgent:
         if openings is None:
             outbox.append(Gossip(self.ship.id, period.index, period.waiting, period.decided))
             return False
-        period.openings += openings
-        period.waits_for -= {opening.edge.first for opening in openings}
+        self._open(period, openings)
         return self._my_turn(period, negotiation)
 
     # -- layer 2 ---------------------------------------------------------------------------------
@@ -310,7 +324,8 @@ class ShipAgent:
         period.resent = now
         outbox.append(self._intention(period, negotiation))
         controls = negotiation.plan.controls
-        self._last_controls = controls
+        stopped = bool(fallback) and not controls[:, 1].any()
+        self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on
         self._last_offset = float(controls[0, 0])
         decision = Decision(
             offset=float(controls[0, 0]),

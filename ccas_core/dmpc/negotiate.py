@@ -135,8 +135,10 @@ def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
 
 def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution) -> Negotiation:
     """Take a solution (steps 12 to 18); one that is not usable leaves plan and iterate as they are."""
-    iterate, plan = negotiation.iterate, negotiation.plan
-    if solution.outcome.usable:
+    iterate, plan, outcome = negotiation.iterate, negotiation.plan, solution.outcome
+    if outcome.usable and not np.all(np.isfinite(solution.plan.controls)):
+        outcome = Outcome.NOT_FINITE  # whatever the solver says of it
+    if outcome.usable:
         plan = solution.plan
         beta = negotiation.situation.settings.beta
         iterate = nadmm.full_step(iterate, problem.multiplier, plan.trajectory.poses, beta)
@@ -145,7 +147,7 @@ def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution)
         iteration=negotiation.iteration + 1,
         iterate=iterate,
         plan=plan,
-        outcomes=(*negotiation.outcomes, solution.outcome),
+        outcomes=(*negotiation.outcomes, outcome),
         seconds=(*negotiation.seconds, solution.seconds),
         residuals=(*negotiation.residuals, iterate.residual),
     )

@@ -27,7 +27,6 @@ from .outcome import Outcome
 TOLERANCE: Final = 1e-8
 _WALL_TIME: Final = 10.0  # of one solve [s]; half a control period
 _SAME: Final = 1e-6  # relative difference below which two objectives tie
-_SLOTS: Final = (1, 2, 4, 8, 16, 32, 64, 128)  # numbers of threats for which programmes are built
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,28 +101,43 @@ class _NlpSolver(AbstractLocalSolver):
                 stage_parameters(problem, threats).ravel(),
             ]
         )
+        guessed = programme.pack(start, problem.last_offset)
+        lower, upper = programme.lower(problem), programme.upper(problem)
+        if not (np.all(np.isfinite(parameters)) and np.all(np.isfinite(guessed))):
+            return _refused(
+                problem, start, Outcome.NOT_FINITE, "the problem holds a value that is not finite"
+            )
+        if np.any(lower > upper):
+            return _refused(problem, start, Outcome.INFEASIBLE, "the bounds of the offset leave no room")
         began = time.perf_counter()
         try:
             answer = programme.solve(
-                x0=programme.pack(start, problem.last_offset),
+                x0=guessed,
                 p=parameters,
-                lbx=programme.lower(problem),
-                ubx=programme.upper(problem),
+                lbx=lower,
+                ubx=upper,
                 lbg=0.0,
                 ubg=0.0,
             )
             stats = programme.solve.stats()
             found = np.asarray(answer["x"], dtype=np.float64).ravel()
         except (RuntimeError, ArithmeticError) as error:
-            return _failed(problem, start, str(error), time.perf_counter() - began)
+            return _refused(problem, start, Outcome.FAILED, str(error), time.perf_counter() - began)
         seconds = time.perf_counter() - began
         return _judged(problem, start, programme.controls(found), stats, seconds)
 
 
-def _failed(problem: LocalProblem, start: LocalPlan, message: str, seconds: float) -> Solution:
-    value = objective(problem, start)
+def _refused(
+    problem: LocalProblem, start: LocalPlan, outcome: Outcome, message: str, seconds: float = 0.0
+) -> Solution:
+    """Give the start back, with the reason why it is not to be sailed."""
     return Solution(
-        plan=start, objective=value, outcome=Outcome.FAILED, iterations=0, seconds=seconds, message=message
+        plan=start,
+        objective=objective(problem, start),
+        outcome=outcome,
+        iterations=0,
+        seconds=seconds,
+        message=message,
     )
 
 
@@ -301,12 +315,12 @@ class Recorder(AbstractLocalSolver):
 
 
 def slots(threats: int) -> int:
-    """Number of threats that a programme is built for: the next of a few sizes.
+    """Number of threats that a programme is built for: the next power of two.
 
     >>> [slots(n) for n in (0, 1, 3, 5)]
     [1, 1, 4, 8]
     """
-    return next(size for size in _SLOTS if size >= threats)
+    return 1 << max(0, threats - 1).bit_length()
 
 
 def _riccati() -> AbstractLocalSolver:

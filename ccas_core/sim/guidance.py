@@ -1,4 +1,4 @@
-"""Line-of-sight guidance along a route: the command that Eq. (4) follows, in the ship's path frame."""
+"""Line-of-sight guidance along a route: the command that the model follows, in the ship's path frame."""
 
 from __future__ import annotations
 

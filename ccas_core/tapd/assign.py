@@ -9,6 +9,7 @@ from __future__ import annotations
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .encounters import Encounter, remember
+from .facts import comes_up
 from .ruleset import AbstractRuleset, Pair, Situation
 
 
@@ -24,6 +25,8 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
         verdict = ruleset.view(situation, own, other)
         if verdict is not None and not isinstance(verdict, Verdict):
             raise TypeError(f"expected a Verdict, got {type(verdict).__name__}")
+        if verdict is not None and (verdict.own, verdict.other) != (own, other):
+            raise ValueError(f"expected a verdict of {own} on {other}, got {verdict.own} on {verdict.other}")
     except Exception as error:  # a plugin may raise anything, and no ship may be left without a verdict
         return Verdict(
             own=own,
@@ -43,10 +46,7 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
 def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]:
     """Carry the memory of a pair on by a period, given the verdict of one of its views."""
     facts = situation.facts(verdict.own, verdict.other)
-    own_overtakes = verdict.kind is Kind.GIVE_WAY
-    overtaker = (
-        (verdict.own if own_overtakes else verdict.other) if verdict.geometry == "overtaking" else None
-    )
+    overtaker = comes_up(facts) if verdict.geometry == "overtaking" else None
     if facts.encounter.overtaker is not None:
         overtaker = facts.encounter.overtaker
     pair = (min(verdict.own, verdict.other), max(verdict.own, verdict.other))

@@ -30,6 +30,18 @@ class Waiting:
         object.__setattr__(self, "waits_for", MappingProxyType(dict(self.waits_for)))
 
 
+def opened_orders(
+    own: ShipId, heard: Mapping[ShipId, Waiting], decided: AbstractSet[ShipId]
+) -> tuple[Opening, ...]:
+    """Order edges for which `own` need not wait, because they lie on a cycle: these go first.
+
+    Empty where not all is heard yet.  This needs no timer: nobody owes anything by an order edge.
+    """
+    graph = _waiting_graph(own, heard, decided)
+    orders = () if graph is None else order_edges_on_cycles(graph)
+    return tuple(Opening(edge, "no duty") for edge in orders if edge.then == own)
+
+
 def released(
     own: ShipId, heard: Mapping[ShipId, Waiting], decided: AbstractSet[ShipId]
 ) -> tuple[Opening, ...] | None:
@@ -38,33 +50,43 @@ def released(
     None where it may not: because others come first, or because not all is heard yet.  Call it
     when T_DL has passed without progress.
     """
-    ancestors = _ancestors(own, heard)
+    graph = _waiting_graph(own, heard, decided)
+    if graph is None:
+        return None
+    orders = order_edges_on_cycles(graph)
+    graph.remove_edges_from([(edge.first, edge.then) for edge in orders])
+    graph.remove_nodes_from([ship for ship in graph if ship in decided and ship != own])
+    ring = next(ring for ring in nx.strongly_connected_components(graph) if own in ring)
+    if any(before not in ring for ship in ring for before in graph.predecessors(ship)):
+        return None
+    if own != min(ring, key=lambda ship: (heard[ship].mass, ship)):
+        return None
+    duties = (
+        Edge(before, own, graph.edges[before, own]["kind"]) for before in sorted(graph.predecessors(own))
+    )
+    return (
+        *(Opening(edge, "no duty") for edge in orders if edge.then == own),
+        *(Opening(edge, "lightest first") for edge in duties),
+    )
+
+
+def _waiting_graph(
+    own: ShipId, heard: Mapping[ShipId, Waiting], decided: AbstractSet[ShipId]
+) -> nx.DiGraph[ShipId] | None:
+    """Who waits for whom among all for which `own` waits at any remove; None if not all is heard."""
+    ancestors = _ancestors(own, heard, decided)
     if ancestors is None:
         return None
     graph: nx.DiGraph[ShipId] = nx.DiGraph()
     for ship in ancestors:
         graph.add_node(ship)
         graph.add_edges_from((before, ship, {"kind": kind}) for before, kind in heard[ship].waits_for.items())
-    openings = []
-    for edge in order_edges_on_cycles(graph):
-        graph.remove_edge(edge.first, edge.then)
-        if edge.then == own:
-            openings.append(Opening(edge, "no duty"))
-    graph.remove_nodes_from([ship for ship in graph if ship in decided and ship != own])
-    rings = nx.strongly_connected_components(graph)
-    ring = next(ring for ring in rings if own in ring)
-    if any(before not in ring for ship in ring for before in graph.predecessors(ship)):
-        return None
-    if own != min(ring, key=lambda ship: (heard[ship].mass, ship)):
-        return None
-    openings.extend(
-        Opening(Edge(before, own, graph.edges[before, own]["kind"]), "lightest first")
-        for before in sorted(graph.predecessors(own))
-    )
-    return tuple(openings)
+    return graph
 
 
-def _ancestors(own: ShipId, heard: Mapping[ShipId, Waiting]) -> set[ShipId] | None:
+def _ancestors(
+    own: ShipId, heard: Mapping[ShipId, Waiting], decided: AbstractSet[ShipId]
+) -> set[ShipId] | None:
     """Ship `own` and all for which it waits at any remove; None if one of them has not been heard."""
     found: set[ShipId] = set()
     frontier = [own]
@@ -73,6 +95,8 @@ def _ancestors(own: ShipId, heard: Mapping[ShipId, Waiting]) -> set[ShipId] | No
         if ship in found:
             continue
         if ship not in heard:
+            if ship in decided:
+                continue  # it holds nobody up any more
             return None
         found.add(ship)
         frontier.extend(heard[ship].waits_for)

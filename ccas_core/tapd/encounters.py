@@ -28,11 +28,13 @@ class Encounter:
     geometry: Geometry = Geometry.NONE
     overtaker: ShipId | None = None
     starboard_sides: Mapping[ShipId, FactValue] = field(default_factory=dict)
+    crosses_from: Mapping[ShipId, float] = field(default_factory=dict)  # `courses_cross_from` of each ship
     distance: float = math.inf  # when it was last looked at [m]
     opening_periods: int = 0  # for how many periods the range has grown
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "starboard_sides", MappingProxyType(dict(self.starboard_sides)))
+        object.__setattr__(self, "crosses_from", MappingProxyType(dict(self.crosses_from)))
 
 
 NO_ENCOUNTER = Encounter()
@@ -43,16 +45,23 @@ def remember(facts: PairFacts, geometry: Geometry, overtaker: ShipId | None) -> 
     before = facts.encounter
     own, other = facts.own.pose, facts.other.pose
     distance = math.hypot(own.x - other.x, own.y - other.y)
+    sides = {facts.own.id: facts.own_on_starboard_side, facts.other.id: facts.other_on_starboard_side}
     if before.geometry is Geometry.NONE:
         if geometry is Geometry.NONE:
             return NO_ENCOUNTER
-        sides = {facts.own.id: facts.own_on_starboard_side, facts.other.id: facts.other_on_starboard_side}
-        return Encounter(geometry=geometry, overtaker=overtaker, starboard_sides=sides, distance=distance)
+        cross = {facts.own.id: facts.courses_cross_from, facts.other.id: -facts.courses_cross_from}
+        return Encounter(
+            geometry=geometry,
+            overtaker=overtaker,
+            starboard_sides=sides,
+            crosses_from=cross,
+            distance=distance,
+        )
     opening = before.opening_periods + 1 if distance > before.distance else 0
     apart = distance > (facts.own.ship.hull.length + facts.other.ship.hull.length) / 2.0
     if opening >= _OPENING_PERIODS and apart and _past(facts):
         return NO_ENCOUNTER
-    return replace(before, distance=distance, opening_periods=opening)
+    return replace(before, starboard_sides=sides, distance=distance, opening_periods=opening)
 
 
 def _past(facts: PairFacts) -> bool:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from ..frames import NedPose
-from ..ships import UNKNOWN, FactValue
+from ..ships import UNKNOWN, FactValue, ShipId
 from ..units import DEGREE, wrap
 from ..waterway import Waters
 from ..world import ShipReport
@@ -88,10 +88,12 @@ def assess(
         same_arm=own.waterway == other.waterway and own.towards is other.towards,
         own_time_to_intersection=time_to_intersection(waters, own, other.waterway),
         other_time_to_intersection=time_to_intersection(waters, other, own.waterway),
-        courses_cross_from=math.sin(own.pose.course - other.pose.course),
-        own_on_starboard_side=sides[own.id] if own.id in sides else follows_starboard_side(waters, own),
+        courses_cross_from=encounter.crosses_from.get(own.id, math.sin(own.pose.course - other.pose.course)),
+        own_on_starboard_side=sides[own.id]
+        if known(sides.get(own.id, UNKNOWN))
+        else follows_starboard_side(waters, own),
         other_on_starboard_side=sides[other.id]
-        if other.id in sides
+        if known(sides.get(other.id, UNKNOWN))
         else follows_starboard_side(waters, other),
         encounter=encounter,
     )
@@ -191,6 +193,12 @@ def _between_banks(waters: Waters, own: ShipReport, other: ShipReport) -> bool:
     """Whether the other ship lies between the banks of the own waterway."""
     waterway = waters.waterway(own.waterway)
     return abs(waterway.frame(own.towards).to_path(other.pose).y) <= waterway.width / 2.0
+
+
+def comes_up(facts: PairFacts) -> ShipId:
+    """Of two ships, the one that the other has farther abaft; alike, the smaller id."""
+    seen = ((-abs(facts.bearing_of_own), facts.own.id), (-abs(facts.bearing_of_other), facts.other.id))
+    return min(seen)[1]
 
 
 def known(value: FactValue) -> bool:

@@ -13,7 +13,6 @@ from . import paper, talk
 from .paper import Claim
 
 if TYPE_CHECKING:
-
     from ccas_core.dmpc.parameters import Wait
     from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.sim.frame import Frame

@@ -42,7 +42,7 @@ def alike(one: Solution, other: Solution) -> bool:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_ipopt_and_fatrop_agree_or_confirm_the_minimum_of_each_other(
+def test_ipopt_and_fatrop_agree_or_each_has_found_a_minimum(
     seed: int, solvers: dict[str, AbstractLocalSolver]
 ) -> None:
     (problem,) = problems(1, 100 + seed)
@@ -54,9 +54,9 @@ def test_ipopt_and_fatrop_agree_or_confirm_the_minimum_of_each_other(
         assert alike(near, one)
         assert np.max(np.abs(near.plan.trajectory.poses - one.plan.trajectory.poses)) < 0.1  # [m]
         return
-    for answer, judge in ((one, "fatrop"), (other, "ipopt")):
-        again = solvers[judge].solve(problem, answer.plan.controls)
-        assert again.objective <= answer.objective + 1e-6 * max(1.0, abs(answer.objective))
+    for answer in (one, other):  # each is a minimum: a descent that starts there gains nothing
+        descended = make_solver("riccati").solve(problem, answer.plan.controls)
+        assert math.isclose(descended.objective, answer.objective, rel_tol=1e-5, abs_tol=1e-6)
 
 
 @pytest.mark.parametrize("name", CASADI)

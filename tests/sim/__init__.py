@@ -73,6 +73,7 @@ def settlement(
             passing_side=side,
             passing_required=required,
             side_chosen_by=chosen_by,
+            initiator=pair[0] if kind in (Kind.COOPERATE, Kind.PROHIBITED) else None,
             reason="made by hand",
             facts={"tcpa_s": math.inf, "is_near": True},
         )
