@@ -165,11 +165,13 @@ def residuals(runs: Mapping[int, Sequence[Frame]]) -> Figure:
     return figure
 
 
-def compare(panels: Sequence[tuple[str, Scenario, Sequence[Frame]]]) -> Figure:
-    """Draw the paths of several runs side by side, all in one view (Fig. 7, 9)."""
+def compare(
+    panels: Sequence[tuple[str, Scenario, Sequence[Frame]]], times: Sequence[float] | None = None
+) -> Figure:
+    """Draw the paths of several runs side by side, all in one view (Fig. 7, 9), hulls at `times` [s]."""
     if not panels:
         return _figure(PAGE, 2.0)
-    shown = [scene(scenario, frames) for _, scenario, frames in panels]
+    shown = [scene(scenario, frames, times) for _, scenario, frames in panels]
     every = [points(each.scenario, each.frames, each.ships, each.times) for each in shown]
     view = framed(panels[0][1], np.vstack(every))
     columns, rows = grid(len(panels), view, TALLEST)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _SET: Final = "tran2026"
 _SEVEN: Final = tuple(f"fig_07{letter}" for letter in "abcdefghi")
 _ITERATIONS: Final = (1, 3, 6, 11)
+_HEAD_ON_TIMES: Final = (0.0, 140.0, 300.0, 500.0)  # start, early action, midway, abeam [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -189,7 +190,10 @@ def figure_6(made: Reproduction) -> None:
 
     names = {"fig_06a": "head-on", "fig_06b": "an obstacle", "fig_06c": "overtaking, an obstacle"}
     cases = {name: made.sail(name) for name in names}
-    made.save("fig_06", compare([(names[name], case.scenario, case.frames) for name, case in cases.items()]))
+    made.save(
+        "fig_06",
+        compare([(names[name], case.scenario, case.frames) for name, case in cases.items()], _HEAD_ON_TIMES),
+    )
     for name, case in cases.items():
         made.check(name, paper.head_on_claims(name, case.summary))
 
@@ -219,7 +223,7 @@ def figure_7(made: Reproduction) -> None:
         rows,
     )  # fmt: skip
     panels = [(case.scenario.title.partition(", ")[2], case.scenario, case.frames) for case in cases.values()]
-    made.save("fig_07", compare(panels))
+    made.save("fig_07", compare(panels, _HEAD_ON_TIMES))
     for name, case in cases.items():
         made.check(name, paper.head_on_claims(name, case.summary))
 
@@ -301,7 +305,10 @@ def figure_9(made: Reproduction) -> None:
 
     cases = {n: made.sail(f"fig_09_iter_{n:02d}") for n in _ITERATIONS}
     made.save(
-        "fig_09", compare([(f"iter_max = {n}", case.scenario, case.frames) for n, case in cases.items()])
+        "fig_09",
+        compare(
+            [(f"iter_max = {n}", case.scenario, case.frames) for n, case in cases.items()], _HEAD_ON_TIMES
+        ),
     )
     for n, case in cases.items():
         made.check(f"fig_09, iter_max = {n}", paper.head_on_claims("fig_09", case.summary))
