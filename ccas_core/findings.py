@@ -116,7 +116,9 @@ def _with_newlines(text: str) -> str:
 
 def _too_large(source: str) -> Diagnostic:
     message = f"larger than {MAX_BYTES // 1_000_000} MB"
-    return Diagnostic(source=source, message=message, hint="is this the file that you meant?")
+    return Diagnostic(
+        source=source, line=1, column=1, message=message, hint="is this the file that you meant?"
+    )
 
 
 def _finding(
