@@ -206,7 +206,7 @@ class _Composer:
         for each in below:
             self._count_again(at, each, depth + 1)
 
-    def _count_one(self, at: Node, depth: int, hint: str = "") -> None:
+    def _count_one(self, at: Node, depth: int, hint: str = "is this the file that you meant?") -> None:
         self._count += 1
         if depth > MAX_DEPTH:
             self._findings.stop(at, f"nested more than {MAX_DEPTH} deep", hint=hint)
