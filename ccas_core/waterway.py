@@ -216,7 +216,9 @@ def guiding_line(waters: Waters, legs: Sequence[Leg], turn_radius: float = 300.0
         joins.append(join)
         current = np.vstack([join, tail])
     corners = _distinct(np.vstack([*sailed, current]))
-    frame = PathFrame(_rounded(corners, turn_radius, waters.banks()))
+    if len(corners) > 2:
+        corners = _rounded(corners, turn_radius, waters.banks())
+    frame = PathFrame(corners)
     starts = [0.0] + [frame.to_path(NedPose(float(join[0]), float(join[1]), 0.0)).x for join in joins]
     waterways = [waters.waterway(leg.waterway) for leg in legs]
     return GuidingLine(

@@ -7,17 +7,14 @@ messages are sent.  Simulated time moves on only when nothing is left to do now.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..dmpc.local_problem import Solution
 from ..dmpc.solvers import AbstractLocalSolver
 from ..ships import ShipId
 from .bus import Bus
-from .events import Decision, Event, Request, Sensed, Solved
+from .events import Decision, Event, Sensed, Solved
 from .ship_agent import ShipAgent
-
-Solve = Callable[[Request], Solution]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,7 +34,7 @@ def run_period(
 ) -> PeriodLog:
     """Let all ships decide once.
 
-    Every agent is to have a decision before its deadline; that is checked, not assumed.
+    It ends when every agent has decided; each does by its own deadline.
     """
     bus.join(agents)
     late = bus.collect(now)  # the last promises of the period before

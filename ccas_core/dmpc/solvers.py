@@ -61,9 +61,9 @@ class AbstractLocalSolver(ABC):
         """Choose among the answers from several guesses, as `best` says."""
         best = answers[0]
         for answer in answers[1:]:
-            if (answer.outcome.usable, 0.0) > (best.outcome.usable, 0.0) or (
-                answer.outcome.usable is best.outcome.usable
-                and answer.objective < best.objective - _SAME * max(1.0, abs(best.objective))
+            usable, rival = answer.outcome.usable, best.outcome.usable
+            if (usable and not rival) or (
+                usable is rival and answer.objective < best.objective - _SAME * max(1.0, abs(best.objective))
             ):
                 best = answer
         return Solution(

@@ -37,6 +37,8 @@ def opened_orders(
 
     Empty where not all is heard yet.  This needs no timer: nobody owes anything by an order edge.
     """
+    if own not in heard or EdgeKind.ORDER not in heard[own].waits_for.values():
+        return ()
     graph = _waiting_graph(own, heard, decided)
     orders = () if graph is None else order_edges_on_cycles(graph)
     return tuple(Opening(edge, "no duty") for edge in orders if edge.then == own)
