@@ -1,0 +1,443 @@
+"""Cases read from files: the tests of a ruleset file, and encounter files.
+
+A test of a ruleset file writes numbers with units (`length: 12 m`); an encounter file has the unit in the name
+of the key (`length_m: 12.0`).  Both give the same `Case`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ..errors import Diagnostic, RulesetError
+from ..findings import read_text
+from ..quantities import ANGLE, LENGTH, SPEED, Range
+from ..roles import Geometry, PassingSide
+from ..ships import UNKNOWN, ShipId
+from ..strict_yaml import Block, Reader
+from ..units import DEGREE
+from ..verdict import Confidence, Kind
+from ..yaml_nodes import Mapping as Keys
+from ..yaml_nodes import Node, Scalar, Sequence
+from .cases import DIAGNOSES, Case, CaseShip, Expected
+from .vocabulary import VOCABULARY, Fact, Scope, Vocabulary
+from .vocabulary import Kind as FactKind
+
+_PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
+_SPEED: Final = Range(at_least=0.0, at_most=100.0)
+_NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
+_HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseFile:
+    """The cases of an encounter file, and those that could not be read."""
+
+    source: str
+    cases: tuple[Case, ...]
+    findings: tuple[Diagnostic, ...]
+    broken: tuple[str, ...]  # ids of cases with findings
+
+
+def read_tests(reader: Reader, node: Node | None, ruleset: str, vocabulary: Vocabulary) -> tuple[Case, ...]:
+    """Read the tests of a ruleset file."""
+    names: dict[str, Node] = {}
+    return tuple(
+        case
+        for each in reader.items(node)
+        if (case := _CaseReader(reader, vocabulary, in_units=True).test(each, ruleset, names)) is not None
+    )
+
+
+def load_cases(path: str | Path, vocabulary: Vocabulary = VOCABULARY) -> CaseFile:
+    """Read an encounter file; see `parse_cases`."""
+    return parse_cases(read_text(path, RulesetError), str(path), vocabulary)
+
+
+def parse_cases(text: str, source: str = "cases", vocabulary: Vocabulary = VOCABULARY) -> CaseFile:
+    """Read the text of an encounter file.
+
+    A case with a fault does not hinder the others: it is named in `broken`, its faults in `findings`.
+
+    Raises
+    ------
+    RulesetError
+        If the file as a whole cannot be read.
+    """
+    reader = Reader(text, source, RulesetError)
+    if not isinstance(reader.root, Keys):
+        reader.stop(reader.root, "the file holds no cases", expected="golden_cases, hard_cases or cases")
+    root = reader.block(reader.root)
+    for key in _PROSE:
+        root.find(key)
+    root.find("rulesets")
+    defaults = _defaults(reader, root.find("defaults"), vocabulary)
+    cases: list[Case] = []
+    broken: list[str] = []
+    ids: dict[str, Node] = {}
+    lists = [(key, root.find(key)) for key in ("golden_cases", "cases", "hard_cases")]
+    if all(node is None for _, node in lists):
+        reader.refuse(reader.root, "the file holds no cases", expected="golden_cases, hard_cases or cases")
+    for key, node in lists:
+        for each in reader.items(node):
+            before = reader.count
+            found = _CaseReader(reader, vocabulary, in_units=False, defaults=defaults).case(
+                each, ids, hard=key == "hard_cases"
+            )
+            if reader.count > before or found is None:
+                broken.append(found.id if found else f"line {each.line}")
+            else:
+                cases.append(found)
+    root.done()
+    return CaseFile(source=source, cases=tuple(cases), findings=reader.told(), broken=tuple(broken))
+
+
+def is_case_file(reader: Reader) -> bool:
+    """Whether a file without a schema is an encounter file."""
+    if not isinstance(reader.root, Keys):
+        return False
+    keys = {key.text for key, _ in reader.root.entries}
+    return "schema" not in keys and bool(keys & {"golden_cases", "hard_cases", "cases"})
+
+
+def _defaults(
+    reader: Reader, node: Node | None, vocabulary: Vocabulary
+) -> dict[Scope, dict[str, Any]]:
+    """Values that hold where a case states none, besides those of the vocabulary."""
+    block = reader.block(node)
+    read = _CaseReader(reader, vocabulary, in_units=False)
+    found = {
+        Scope.SHIP: read.facts(block.find("ship"), Scope.SHIP),
+        Scope.WATERWAY: read.facts(block.find("waterway"), Scope.WATERWAY),
+    }
+    block.done()
+    return found
+
+
+class _CaseReader:
+    """Reads one case."""
+
+    def __init__(
+        self,
+        reader: Reader,
+        vocabulary: Vocabulary,
+        *,
+        in_units: bool,
+        defaults: Mapping[Scope, Mapping[str, Any]] | None = None,
+    ) -> None:
+        self._reader, self._vocabulary, self._in_units = reader, vocabulary, in_units
+        self._defaults = defaults or {}
+
+    # -- whole cases -----------------------------------------------------------------------------
+
+    def test(self, node: Node, ruleset: str, names: dict[str, Node]) -> Case | None:
+        """Read a test of a ruleset file."""
+        reader = self._reader
+        block = reader.block(node)
+        name = reader.unique(names, block.require("name"), "test")
+        ships = self._ships(block.require("ships"), least=2)
+        waterway = self.facts(block.find("waterway"), Scope.WATERWAY)
+        encounter = self._encounter(block.find("encounter"), ships)
+        expect = block.require("expect")
+        expected = self._expected(expect, ships)
+        if not block.done():
+            return None
+        return Case(
+            id=name,
+            title=name,
+            ships=ships,
+            waterway=waterway,
+            encounter=encounter,
+            expected={ruleset: expected},
+            source=reader.source,
+            line=node.line,
+        )
+
+    def case(self, node: Node, ids: dict[str, Node], *, hard: bool) -> Case | None:
+        """Read a case of an encounter file."""
+        reader = self._reader
+        block = reader.block(node)
+        id_ = reader.unique(ids, block.require("id"), "case")
+        title = block.find("title")
+        tags = block.find("tags")
+        block.find("note")
+        placed = block.find("ships")
+        ships = self._ships(placed, least=2) if placed else ()
+        waterway = {**self._defaults.get(Scope.WATERWAY, {}), **self.facts(block.find("waterway"), Scope.WATERWAY)}
+        encounter = self._encounter(block.find("encounter"), ships)
+        order = self._resolution(block.find("resolution"))
+        expected = {
+            key.text: self._expected(value, ships, hard=hard, order=order, placed=bool(ships))
+            for key, value in reader.entries(block.require("expected"))
+        }
+        words = [reader.text(each) for each in reader.items(tags)] if tags else []
+        block.done()
+        if not id_:
+            return None
+        return Case(
+            id=id_,
+            title=reader.text(title) if title else "",
+            ships=ships,
+            waterway=waterway,
+            encounter=encounter,
+            expected=expected,
+            tags=tuple(words),
+            hard=hard,
+            source=reader.source,
+            line=node.line,
+        )
+
+    # -- facts -----------------------------------------------------------------------------------
+
+    def _ships(self, node: Node | None, least: int) -> tuple[CaseShip, ...]:
+        reader = self._reader
+        ships = []
+        entries = reader.entries(node)
+        for key, value in entries:
+            facts = dict(self._defaults.get(Scope.SHIP, {}))
+            pose, speed, rest = self._kinematics(value)
+            facts |= self.facts(rest, Scope.SHIP)
+            ships.append(CaseShip(id=ShipId(key.text), facts=facts, pose=pose, speed=speed))
+        if node is not None and len(entries) < least:
+            reader.refuse(node, f"{len(entries)} ship(s)", expected=f"at least {least}")
+        return tuple(ships)
+
+    def _kinematics(self, node: Node) -> tuple[tuple[float, float, float] | None, float | None, Node]:
+        """Pose and speed of a ship, and the node without them."""
+        if not isinstance(node, Keys):
+            return None, None, node
+        keys = {key.text: (key, value) for key, value in node.entries}
+        if self._in_units:
+            names = ("at", "course", "speed")
+            rest = Keys(node.line, node.column, tuple(e for e in node.entries if e[0].text not in names))
+            found = [keys[name][1] for name in names if name in keys]
+            if not found:
+                return None, None, node
+            if len(found) < 3:
+                hint = "say all three, or none of them"
+                self._reader.refuse(node, "a ship that is only partly placed", expected="at, course, speed", hint=hint)
+                return None, None, rest
+            ends = self._reader.items(found[0], 2, 2)
+            east, north = ([self._reader.number(each, LENGTH) for each in ends] + [math.nan, math.nan])[:2]
+            course = self._reader.number(found[1], ANGLE)
+            return (north, east, course), self._reader.number(found[2], SPEED, _SPEED), rest
+        if "kinematics" not in keys:
+            return None, None, node
+        rest_entries = [each for each in node.entries if each[0].text != "kinematics"]
+        block = self._reader.block(keys["kinematics"][1])
+        north, east = (self._bare(block.require(key)) for key in ("north_m", "east_m"))
+        course = self._bare(block.require("course_deg")) * DEGREE
+        speed = self._bare(block.require("speed_mps"))
+        if (heading := block.find("heading_deg")) is not None:
+            self._bare(heading)
+            rest_entries.append((Scalar(heading.line, heading.column, "heading_deg"), heading))
+        block.done()
+        return (north, east, course), speed, Keys(node.line, node.column, tuple(rest_entries))
+
+    def _bare(self, node: Node) -> float:
+        value = node.value if isinstance(node, Scalar) else None
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            self._reader.refuse(node, "this is no finite number", expected="a number; its unit stands in the key")
+            return math.nan
+        return float(value)
+
+    def facts(self, node: Node | None, scope: Scope) -> dict[str, Any]:
+        """Stated facts of a ship or a waterway, in SI, by their names in the vocabulary."""
+        known = {self._key(fact): fact for fact in self._vocabulary.by_scope[scope]}
+        found: dict[str, Any] = {}
+        for key, value in self._reader.entries(node):
+            fact = known.get(key.text)
+            if fact is None:
+                self._reader.unknown(key, f"fact of a {scope}", key.text, known)
+                continue
+            found[fact.name] = self.fact(value, fact)
+        return found
+
+    def _key(self, fact: Fact) -> str:
+        return fact.name if self._in_units else fact.key
+
+    def fact(self, node: Node, fact: Fact) -> Any:
+        """A stated value of a fact; `unknown` is one."""
+        if isinstance(node, Scalar) and node.text == UNKNOWN.value and fact.kind is not FactKind.FLAGS:
+            return UNKNOWN
+        return read_fact(self._reader, node, fact, in_units=self._in_units)
+
+    def _encounter(self, node: Node | None, ships: Iterable[CaseShip]) -> dict[str, Any]:
+        """Stated facts of the pair: geometry, and the ships that it names."""
+        if node is None:
+            return {}
+        reader = self._reader
+        block = reader.block(node)
+        ids = [ship.id for ship in ships]
+        found: dict[str, Any] = {"risk_of_collision": True}
+        if (risk := block.find("risk_of_collision")) is not None:
+            found["risk_of_collision"] = _maybe(risk, reader.flag)
+        if (geometry := block.find("geometry")) is not None:
+            found["geometry"] = _maybe(geometry, lambda each: reader.choice(each, Geometry).value)
+        for name in _NAMED_SHIPS:
+            if (named := block.find(name)) is not None:
+                found[name] = _maybe(named, lambda each: self._ship(each, ids))
+        if (windward := block.find("windward")) is not None:
+            found["windward"] = self._ship(windward, ids)
+        for name in _HINTS:
+            if not self._in_units and (hint := block.find(name)) is not None:
+                self._bare(hint)
+        if isinstance(node, Keys) and not self._in_units:
+            for key, value in node.entries:
+                if key.text.startswith("bearing_of_") and key.text.endswith("_deg"):
+                    block.find(key.text)
+                    self._bare(value)
+        if found.get("geometry") in ("head_on", "crossing", "none"):
+            found.setdefault("overtaker", "none")
+        if found.get("geometry") in ("head_on", "overtaking", "none"):
+            found.setdefault("has_other_on_starboard", "none")
+        block.done()
+        return found
+
+    def _ship(self, node: Node, ids: Iterable[str]) -> str:
+        text = self._reader.text(node)
+        known = [*ids, "none"]
+        if text and text not in known:
+            self._reader.unknown(node, "ship", text, known)
+        return text
+
+    # -- what is expected ------------------------------------------------------------------------
+
+    def _expected(
+        self,
+        node: Node,
+        ships: Iterable[CaseShip],
+        *,
+        hard: bool = False,
+        order: tuple[ShipId, ...] | None = None,
+        placed: bool = True,
+    ) -> Expected:
+        reader = self._reader
+        if hard and not placed:  # nothing to judge: the case is there to be read, and skipped
+            told = {key.text: value for key, value in reader.entries(node)}
+            diagnosis = told.get("diagnosis")
+            return Expected(diagnosis=self._diagnosis(diagnosis) if diagnosis else None)
+        block = reader.block(node)
+        ids = [ship.id for ship in ships]
+
+        def some(key: str) -> frozenset[ShipId] | None:
+            found = block.find(key)
+            return None if found is None else frozenset(ShipId(each) for each in self._listed(found, ids, placed))
+
+        def one(key: str) -> ShipId | None:
+            found = block.find(key)
+            return None if found is None else ShipId(self._ship(found, ids))
+
+        def word(key: str) -> str | None:
+            found = block.find(key)
+            return None if found is None else reader.text(found)
+
+        def pairs(key: str) -> frozenset[tuple[ShipId, ...]] | None:
+            found = block.find(key)
+            if found is None:
+                return None
+            listed = [self._listed(each, ids, placed, 2, 2) for each in reader.items(found)]
+            return frozenset(tuple(ShipId(each) for each in pair) for pair in listed)
+
+        give_way, stand_on = some("give_way"), some("stand_on")
+        kind = block.find("kind")
+        passing = block.find("pass")
+        diagnosis = block.find("diagnosis")
+        for key in ("note", "signal", "cooperates", "suggested", "verdict", "obligations"):
+            block.find(key)
+        confidence = block.find("confidence")
+        sequence = block.find("order")
+        found = Expected(
+            kind=reader.choice(kind, Kind).value if kind else _kind_of(give_way, hard=hard),
+            give_way=give_way,
+            stand_on=stand_on,
+            initiator=one("initiator"),
+            passing_side=reader.choice(passing, PassingSide).value if passing else None,
+            strength=word("strength"),
+            side_chosen_by=one("side_chosen_by"),
+            must_follow=some("must_follow"),
+            facilitates=some("facilitates"),
+            manoeuvre=word("required_manoeuvre") or word("manoeuvre"),
+            reason=word("reason"),
+            rule=word("by"),
+            article=word("article") or "",
+            diagnosis=self._diagnosis(diagnosis) if diagnosis else None,
+            gives_way_to=pairs("gives_way_to"),  # type: ignore[arg-type]
+            mutual=_unordered(pairs("mutual")),
+            no_rule=_unordered(pairs("no_rule")),
+            cycle=some("cycle"),
+            order=tuple(ShipId(each) for each in self._listed(sequence, ids, placed)) if sequence else order,
+            confidence=reader.choice(confidence, Confidence) if confidence else None,
+        )
+        if not hard and found.kind is None and found.diagnosis is None:
+            reader.refuse(node, "nothing is expected", expected="kind, give_way or diagnosis")
+        block.done()
+        return found
+
+    def _diagnosis(self, node: Node) -> str:
+        text = self._reader.text(node)
+        if text and text not in DIAGNOSES:
+            self._reader.unknown(node, "diagnosis", text, DIAGNOSES)
+        return text
+
+    def _listed(
+        self, node: Node, ids: Iterable[str], placed: bool = True, at_least: int = 0, at_most: int = 100  # noqa: FBT001, FBT002
+    ) -> list[str]:
+        """Ships of a list, or the one ship that stands there."""
+        nodes = node.items if isinstance(node, Sequence) else (node,)
+        if not at_least <= len(nodes) <= at_most:
+            self._reader.refuse(node, f"a list of {len(nodes)}", expected=f"{at_least} ships")
+        if not placed:
+            return [self._reader.text(each) for each in nodes]
+        return [self._ship(each, ids) for each in nodes]
+
+    def _resolution(self, node: Node | None) -> tuple[ShipId, ...] | None:
+        """Order in which ships decide where a cycle is opened."""
+        if node is None:
+            return None
+        block = self._reader.block(node)
+        for key in ("secondary", "lightest_decides_first", "note"):
+            block.find(key)
+        order = block.find("order")
+        block.done()
+        return tuple(ShipId(self._reader.text(each)) for each in self._reader.items(order)) if order else None
+
+
+def read_fact(reader: Reader, node: Node, fact: Fact, *, in_units: bool) -> Any:
+    """Read a known value of a fact, in SI; `in_units` says that a number has its unit beside it."""
+    if fact.kind is FactKind.FLAG:
+        return reader.flag(node)
+    if fact.kind is FactKind.CHOICE:
+        text = reader.text(node)
+        if text and text not in fact.choices:
+            reader.unknown(node, f"value of '{fact.name}'", text, fact.choices)
+        return text
+    if fact.kind is FactKind.FLAGS:
+        nodes = node.items if isinstance(node, Sequence) else (node,)
+        return " ".join(reader.text(each) for each in nodes)
+    if fact.kind is FactKind.TEXT:
+        return reader.text(node)
+    value = node.value if isinstance(node, Scalar) else None
+    if in_units and fact.quantity.unit:
+        return reader.number(node, fact.quantity)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        reader.refuse(node, f"'{fact.name}' is a number", expected="a finite number")
+        return math.nan
+    return value * fact.quantity.units[fact.quantity.unit]
+
+
+def _maybe(node: Node, read: Callable[[Node], Any]) -> Any:
+    return UNKNOWN if isinstance(node, Scalar) and node.text == UNKNOWN.value else read(node)
+
+
+def _kind_of(give_way: frozenset[ShipId] | None, *, hard: bool) -> str | None:
+    if hard or give_way is None:
+        return None
+    return {0: None, 1: Kind.GIVE_WAY.value}.get(len(give_way), Kind.MUTUAL.value)
+
+
+def _unordered(pairs: frozenset[tuple[ShipId, ...]] | None) -> frozenset[frozenset[ShipId]] | None:
+    return None if pairs is None else frozenset(frozenset(pair) for pair in pairs)
