@@ -73,6 +73,7 @@ class ShipAgent:
         self._settings: Final = settings
         self._predictor: Final = predictor or ConstantVelocity()
         self._encounters: dict[Pair, Encounter] = {}
+        self._kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
         self._last_controls: FloatArray | None = None
         self._last_offset = 0.0
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
@@ -159,11 +160,13 @@ class ShipAgent:
     def _situation(self, period: Period) -> Situation:
         reports = {**period.reports, self.ship.id: period.own}
         world = World(time=period.began, waters=self._waters, reports=reports)
-        return Situation(world=world, encounters=self._encounters)
+        return Situation(world=world, encounters=self._encounters, kept_starboard=self._kept_starboard)
 
     def _judge(self, period: Period) -> list[Message]:
         ruleset = self._rulesets[period.own.ruleset]
-        period.judged = assign(ruleset, self._situation(period), self.ship.id)
+        situation = self._situation(period)
+        period.judged = assign(ruleset, situation, self.ship.id)
+        self._kept_starboard = situation.on_starboard_side(ruleset.vocabulary)
         period.phase = Phase.SETTLING
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
@@ -191,7 +194,9 @@ class ShipAgent:
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
         ]
         period.waits_for = {edge.first for edge in edges}
-        waiting = Waiting(self.ship.mass, {edge.first: edge.kind for edge in edges})
+        ruleset = self._rulesets[period.own.ruleset]
+        kinds = {edge.first: edge.kind for edge in edges}
+        waiting = Waiting(ruleset.rank(self.ship), kinds, ruleset.criterion)
         period.waiting[self.ship.id] = waiting
         period.phase = Phase.WAITING
         period.progressed = now

@@ -9,7 +9,6 @@ from __future__ import annotations
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .encounters import Encounter, remember
-from .facts import comes_up
 from .ruleset import AbstractRuleset, Pair, Situation
 
 
@@ -45,9 +44,6 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
 
 def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]:
     """Carry the memory of a pair on by a period, given the verdict of one of its views."""
-    facts = situation.facts(verdict.own, verdict.other)
-    overtaker = comes_up(facts) if verdict.geometry == "overtaking" else None
-    if facts.encounter.overtaker is not None:
-        overtaker = facts.encounter.overtaker
-    pair = (min(verdict.own, verdict.other), max(verdict.own, verdict.other))
-    return pair, remember(facts, verdict.geometry, overtaker)
+    own, other = verdict.own, verdict.other
+    before = situation.encounter(own, other)
+    return (min(own, other), max(own, other)), remember(before, situation.facts(own, other), verdict)

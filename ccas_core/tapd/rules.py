@@ -69,7 +69,6 @@ class Criterion(StrEnum):
 
     WEIGHT = "weight"
     LENGTH = "length"
-    SPEED = "speed"
     ID = "id"
 
 

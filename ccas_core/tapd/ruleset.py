@@ -13,13 +13,13 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
-from ..priority import PriorityGraph, settle
+from ..priority import LIGHTEST_FIRST, PriorityGraph, settle
 from ..ships import Ship, ShipId
 from ..verdict import Kind, Verdict
 from ..world import World
 from .encounters import NO_ENCOUNTER, Encounter
 from .facts import PairFacts, assess, ship_values
-from .vocabulary import VOCABULARY, Vocabulary
+from .vocabulary import VOCABULARY, Scope, Vocabulary
 
 Pair = tuple[ShipId, ShipId]  # sorted
 
@@ -52,6 +52,12 @@ class Situation:
             self._values[key] = ship_values(vocabulary, self.world.waters, report, kept_starboard=kept)
         return self._values[key]
 
+    def on_starboard_side(self, vocabulary: Vocabulary = VOCABULARY) -> frozenset[ShipId]:
+        """Ships that follow the starboard side of their waterways now."""
+        place = vocabulary.places[Scope.SHIP]["follows_starboard_side"]
+        values = {ship: self.ship_values(ship, vocabulary)[place] for ship in self.world.reports}
+        return frozenset(ship for ship, value in values.items() if value is True)
+
     def encounter(self, own: ShipId, other: ShipId) -> Encounter:
         """What is remembered of two ships."""
         return self.encounters.get((min(own, other), max(own, other)), NO_ENCOUNTER)
@@ -79,6 +85,11 @@ class AbstractRuleset(ABC):
             if settlement.pair == (min(own, other), max(own, other)):
                 return settlement.one if settlement.one.own == own else settlement.other
         return None
+
+    @property
+    def criterion(self) -> str:
+        """What `rank` goes by, for the log."""
+        return LIGHTEST_FIRST
 
     def rank(self, ship: Ship) -> tuple[float, ...]:
         """Place of a ship among those that wait for one another in a ring: the least decides first.
@@ -109,4 +120,7 @@ class PairRuleset(AbstractRuleset):
             one, two = self.judge(facts), self.judge(facts.mirrored())
             if (one.kind, two.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(one, two, masses))
-        return PriorityGraph(masses=masses, settlements=tuple(settlements))
+        ranks = {ship: self.rank(report.ship) for ship, report in reports.items()}
+        return PriorityGraph(
+            masses=masses, settlements=tuple(settlements), ranks=ranks, criterion=self.criterion
+        )

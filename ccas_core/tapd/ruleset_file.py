@@ -34,6 +34,7 @@ from .rules import (
     Source,
     Waiver,
 )
+from .ranking import RankingCriterion
 from .ruleset_draft import (
     RECOGNITION,
     SCHEMA,
@@ -60,7 +61,7 @@ def load_ruleset(
     library: Library | None = None,
     vocabulary: Vocabulary = VOCABULARY,
     python: Mapping[str, PythonRule] | None = None,
-    criteria: Iterable[str] = (),
+    criteria: Mapping[str, RankingCriterion] | None = None,
 ) -> WrittenRuleset:
     """Read a ruleset file; see `parse_ruleset`."""
     text = read_text(path, RulesetError)
@@ -73,7 +74,7 @@ def parse_ruleset(
     library: Library | None = None,
     vocabulary: Vocabulary = VOCABULARY,
     python: Mapping[str, PythonRule] | None = None,
-    criteria: Iterable[str] = (),
+    criteria: Mapping[str, RankingCriterion] | None = None,
 ) -> WrittenRuleset:
     """Read the text of a ruleset file.
 
@@ -96,7 +97,8 @@ def parse_ruleset(
         With all that is wrong.
     """
     found = read_text_of(text, source, library, vocabulary, python, criteria)
-    return WrittenRuleset(found, dict(python or {}))
+    ranked = {name: each.value for name, each in (criteria or {}).items()}
+    return WrittenRuleset(found, python, ranked)
 
 
 def read_text_of(
@@ -105,11 +107,11 @@ def read_text_of(
     library: Library | None = None,
     vocabulary: Vocabulary = VOCABULARY,
     python: Mapping[str, PythonRule] | None = None,
-    criteria: Iterable[str] = (),
+    criteria: Mapping[str, RankingCriterion] | None = None,
 ) -> RulesetText:
     """Read the text of a ruleset file into what it says; see `parse_ruleset`."""
     drafts = _lineage(read_draft(text, source, vocabulary), library, vocabulary)
-    return _Weaver(drafts, vocabulary, frozenset(python or ()), frozenset(criteria)).ruleset()
+    return _Weaver(drafts, vocabulary, frozenset(python or ()), frozenset(criteria or ())).ruleset()
 
 
 def _lineage(draft: Draft, library: Library | None, vocabulary: Vocabulary) -> list[Draft]:

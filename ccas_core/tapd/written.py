@@ -13,6 +13,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Any, Final
 
+from ..priority import LIGHTEST_FIRST
 from ..roles import Geometry
 from ..ships import FactValue, Ship, ShipId
 from ..units import DEGREE
@@ -22,7 +23,7 @@ from .language.code import Missing, UnknownFact, Values, program
 from .language.formula import Measure, Named, facts_of, walk
 from .language.polynomial import RELATIVE
 from .python_rules import PairView, PythonRule, ruled
-from .rules import Criterion, Mirror, Outcome, Policy, Rule, RulesetText, Side
+from .rules import DEFAULT_ORDER, Criterion, Mirror, Outcome, Policy, Rule, RulesetText, Side
 from .ruleset import PairRuleset
 from .vocabulary import MOTIONS, Kind as FactKind, Scope, Vocabulary
 
@@ -64,6 +65,14 @@ class WrittenRuleset(PairRuleset):
     def vocabulary(self) -> Vocabulary:
         """Facts that the ruleset may ask for."""
         return self.text.vocabulary
+
+    @property
+    def criterion(self) -> str:
+        """What `rank` goes by: the lightest first, unless the file says otherwise."""
+        if self.text.resolve_by == DEFAULT_ORDER:
+            return LIGHTEST_FIRST
+        words = (f"{each.criterion}{' descending' if each.descending else ''}" for each in self.text.resolve_by)
+        return f"by {', '.join(words)}"
 
     def rank(self, ship: Ship) -> tuple[float, ...]:
         """Place of a ship among those that wait for one another in a ring, by the criteria of the file."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import combinations
 
-from ccas_core.priority import PriorityGraph, Settlement, settle
+from ccas_core.priority import LIGHTEST_FIRST, PriorityGraph, Settlement, settle
 from ccas_core.ships import ShipId
 from ccas_core.sim.scenario import Scenario
 from ccas_core.tapd.assign import judged
@@ -48,7 +48,14 @@ def settlements_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) 
 def graph_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) -> PriorityGraph:
     """Priority graph that the ships make of their verdicts."""
     met = (each for each in settlements_at_start(world, rulesets) if meets(each))
-    return PriorityGraph(masses=masses_of(world), settlements=tuple(met))
+    ranks = {id_: rulesets[report.ruleset].rank(report.ship) for id_, report in world.reports.items()}
+    criteria = {rulesets[report.ruleset].criterion for report in world.reports.values()}
+    return PriorityGraph(
+        masses=masses_of(world),
+        settlements=tuple(met),
+        ranks=ranks,
+        criterion=" or ".join(sorted(criteria)) or LIGHTEST_FIRST,
+    )
 
 
 def meets(settlement: Settlement) -> bool:
