@@ -143,7 +143,9 @@ class Observers:
             except Exception as error:  # a plugin may raise anything, and the voyage goes on
                 self._silenced.add((name, hook))
                 cause = f"{hook} raised {type(error).__name__}: {error}"
-                yield Failure(name, hook, cause, "mend it, or uninstall it", "it observes no more such events")
+                yield Failure(
+                    name, hook, cause, "mend it, or uninstall it", "it observes no more such events"
+                )
 
 
 def load(
@@ -157,7 +159,8 @@ def load(
     points = importlib.metadata.entry_points(group=GROUP) if entry_points is None else entry_points
     loaded: list[_Loaded] = []
     failures: list[Failure] = []
-    vocabulary, facts = VOCABULARY, {}
+    vocabulary = VOCABULARY
+    facts: dict[str, str] = {}
     for point in sorted(points, key=lambda each: each.name):
         try:
             plugin = _loaded(point, trace)
@@ -209,7 +212,9 @@ def _loaded(point: EntryPoint, trace: Callable[[str], object] | None) -> _Loaded
     if info is not None and not isinstance(info, PluginInfo):
         raise TypeError(f"ccas_plugin_info must return a PluginInfo, got {type(info).__name__}")
     if info is not None and info.api != hookspecs.API:
-        raise TypeError(f"it was written for version {info.api} of the hooks, and this is version {hookspecs.API}")
+        raise TypeError(
+            f"it was written for version {info.api} of the hooks, and this is version {hookspecs.API}"
+        )
     found = _Loaded(name=point.name, target=point.value, manager=manager, info=info)
     for hook, kinds in _COLLECTED.items():
         found.offers[hook] = _collected(manager, hook, kinds)
@@ -244,7 +249,8 @@ def _check_ruleset(ruleset: AbstractRuleset) -> None:
 
 def _named(offered: Iterable[Any]) -> str:
     return ", ".join(
-        each.name if isinstance(each, Path) else str(getattr(each, "id", None) or each.name) for each in offered
+        each.name if isinstance(each, Path) else str(getattr(each, "id", None) or each.name)
+        for each in offered
     )
 
 
@@ -264,7 +270,13 @@ def _identified(loaded: Iterable[_Loaded], failures: list[Failure]) -> list[_Loa
             rulesets.append((id_, each))
         offers = {**plugin.offers, "ccas_rulesets": rulesets}
         found.append(
-            _Loaded(name=plugin.name, target=plugin.target, manager=plugin.manager, info=plugin.info, offers=offers)
+            _Loaded(
+                name=plugin.name,
+                target=plugin.target,
+                manager=plugin.manager,
+                info=plugin.info,
+                offers=offers,
+            )
         )
     return found
 
