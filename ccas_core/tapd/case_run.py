@@ -293,8 +293,10 @@ def articles(text: str) -> frozenset[str]:
 
     >>> sorted(articles("RPNR 9.04(3) with 6.04(3),(5)"))
     ['6.04', '9.04']
+    >>> sorted(articles("33 CFR 83.09(a)(ii)") | articles("BPR 6.07(8)c"))
+    ['6.07', '83.09']
     """
-    return frozenset(re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)", "", text)))
+    return frozenset(re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)|\b\d+ (?=[A-Z]{2})", " ", text)))
 
 
 def case_of(case: Case, *ships: ShipId) -> Case:
