@@ -20,7 +20,7 @@ from ..tapd.rules import Mirror, Rule
 from ..tapd.written import WrittenRuleset
 from ..verdict import Kind, Verdict, agree
 from .findings import Fault, Finding, Outcome
-from .ladder import NOTHING, Ladder, Place, duty, turned
+from .ladder import Ladder, Place, duty, turned
 from .questions import Questions
 from .search import Goal
 from .solver import LINEAR, Budget, Found
@@ -137,7 +137,7 @@ def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) 
 
 
 def complete(questions: Questions) -> Finding:
-    """Risk of collision leads to a verdict that decides something."""
+    """Risk of collision leads to a verdict that decides something, and that obliges somebody."""
     tally = Tally()
     own = questions.own
     risk = own.view.derived("risk_of_collision", value=True)
@@ -159,6 +159,12 @@ def complete(questions: Questions) -> Finding:
         [risk, own.silent],
         lambda one, two: one.kind is Kind.NONE and not one.rule and one.reason != "no_risk",
         lambda: Fault(title="no rule applies to ships at risk of collision", kind="gap"),
+    )
+    tally.ask(
+        questions,
+        [risk, own.says(Kind.STAND_ON), questions.other.says(Kind.STAND_ON)],
+        lambda one, two: one.kind is two.kind is Kind.STAND_ON,
+        lambda: Fault(title="both ships stand on: nobody is obliged", kind="gap"),
     )
     return tally.finding("complete")
 
@@ -226,17 +232,11 @@ def no_irrelevant_rule(questions: Questions) -> Finding:
         rule = place.rule
         if place.swapped or rule.id in needed or rule.python:
             continue
-        said = duty(rule.outcome, swapped=False)
-        other = [
-            term
-            for later, term in own.after(place)
-            if (NOTHING if later is None else duty(later.rule.outcome, swapped=later.swapped)) != said
-        ]
+        other = [term for later, term in own.after(place) if later is None or _said(later) != _said(place)]
         tally.questions += 1
-        index = place.index
-        mutant = ruleset.mutated(index, negated=False)
+        mutant = ruleset.mutated(place.index, negated=False)
         found, method, ships = questions.settled(
-            [own.decides(place), z3.Or(other)], _differs_without(mutant, rule)
+            [own.decides(place), z3.Or(other)], _differs_without(rule), rulesets=(ruleset, mutant)
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' changes nothing", rules=(rule,), kind="irrelevant rule")
@@ -262,13 +262,24 @@ def _needed(ruleset: WrittenRuleset) -> frozenset[str]:
 
 def _duty_changes(mutant: WrittenRuleset, case: object) -> bool:
     result = run_case(mutant, case, case.expected[mutant.id])  # type: ignore[arg-type, attr-defined]
-    return any(not each.startswith(("by:", "article:")) for each in result.differences)
+    return any(not each.startswith("by:") for each in result.differences)
 
 
-def _differs_without(mutant: WrittenRuleset, rule: Rule) -> Goal:
-    """Goal: the rule decides; that its absence changes the verdict is what the terms say already."""
-    del mutant
-    return lambda one, two: rule.id in (one.rule, two.rule)
+def _said(place: Place) -> tuple[object, ...]:
+    """All that a verdict says: the duty, how strong it is, and by which article."""
+    outcome = place.rule.outcome
+    return (
+        duty(outcome, swapped=place.swapped),
+        outcome.strength,
+        outcome.facilitates and (outcome.facilitates == "own") is not place.swapped,
+        outcome.diagnosis,
+        str(place.rule.citation),
+    )
+
+
+def _differs_without(rule: Rule) -> Goal:
+    """Goal: A judges by the rule, and B, without it, does not fit or judges by another article."""
+    return lambda one, two: one.rule == rule.id and (bool(agree(one, two)) or one.article != two.article)
 
 
 def mirror_sound(questions: Questions) -> Finding:

@@ -101,10 +101,16 @@ class Questions:
         apart = dot(place, place) - number(domain.separation * domain.separation)
         return [*found, self.symbols.sign(apart, frozenset({0, 1}))]
 
-    def settled(self, terms: Sequence[Term], goal: Goal) -> tuple[Found, str, Ships | None]:
+    def settled(
+        self,
+        terms: Sequence[Term],
+        goal: Goal,
+        rulesets: tuple[WrittenRuleset, WrittenRuleset] | None = None,
+    ) -> tuple[Found, str, Ships | None]:
         """Decide whether terms can hold together: proved that they cannot, or ships that show that they can.
 
-        The cheap questions come first, and ships are looked for as soon as there are facts to try.
+        The cheap questions come first, and ships are looked for as soon as there are facts to try.  They are judged by
+        `rulesets`, if these are not those of the question.
         """
         tried: list[Facts] = []
 
@@ -113,7 +119,7 @@ class Questions:
             if facts in tried or self.budget.spent or answer.found is not Found.POSSIBLE:
                 return None
             tried.append(facts)
-            return find(self.rulesets, facts, goal)
+            return find(rulesets or self.rulesets, facts, goal)
 
         asked = [*terms, *self.domain()]
         other: list[Term] = []
