@@ -55,7 +55,7 @@ class Facts:
 
 def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) -> Facts:
     """Facts of a model, by ship; what it leaves open has its default."""
-    by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH, "beam": 10.0} for ship in ships}
+    by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
     regimes: list[str] = []
@@ -76,6 +76,8 @@ def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) 
         known = text.vocabulary.find(Scope.SHIP, fact)
         if owner in by_ship and known is not None and known.kind is Kind.NUMBER and "*" not in name:
             by_ship[owner][fact] = _round(number, fact)
+    for stated in by_ship.values():
+        stated.setdefault("beam", max(2.0, round(stated["length"] / 8.0, 1)))
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
     return Facts(by_ship, waterway, pair)
@@ -182,7 +184,17 @@ def _reaches(
     rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal
 ) -> tuple[Verdict, Verdict] | None:
     verdicts = judged(rulesets, case)
-    return verdicts if goal(*verdicts) else None
+    return verdicts if goal(*verdicts) and _in_domain(rulesets, case) else None
+
+
+def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> bool:
+    """Whether what the rulesets assume of ships holds, as both see it."""
+    return all(
+        ruleset.assumed(pair_facts(case, own, other, ruleset.vocabulary))
+        for ruleset in dict.fromkeys(rulesets)
+        if ruleset.text.domain.assume
+        for own, other in ((A, B), (B, A))
+    )
 
 
 def margin(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal) -> float:

@@ -29,6 +29,7 @@ from .vocabulary import Kind as FactKind
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
 _NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
+_PLACES: Final = ("same_waterway", "same_direction")  # where the ships are, which says nothing of a risk
 _HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
 
 
@@ -277,7 +278,11 @@ class _CaseReader:
         reader = self._reader
         block = reader.block(node)
         ids = [ship.id for ship in ships]
-        found: dict[str, Any] = {"risk_of_collision": True}
+        keys = {key.text for key, _ in node.entries} if isinstance(node, Keys) else set()
+        found: dict[str, Any] = {} if keys and keys <= set(_PLACES) else {"risk_of_collision": True}
+        for name in _PLACES:
+            if (place := block.find(name)) is not None:
+                found[name] = _maybe(place, reader.flag)
         if (risk := block.find("risk_of_collision")) is not None:
             found["risk_of_collision"] = _maybe(risk, reader.flag)
         if (geometry := block.find("geometry")) is not None:

@@ -241,6 +241,23 @@ class WrittenRuleset(PairRuleset):
         mutant.__dict__ |= {"_program": self._program, "_decisions": decisions}
         return mutant
 
+    def with_text(self, text: RulesetText) -> WrittenRuleset:
+        """The same ruleset with another text, such as one that is meant for fewer ships."""
+        return WrittenRuleset(text, self._python, self._criteria)
+
+    def assumed(self, facts: PairFacts) -> bool:
+        """Whether a pair is one of those that the domain assumes; what is not known does not speak against it."""
+        _, own, _ = self.recognised(facts)
+        arguments = (*own[:5], [None] * self._domain_program.memory)
+        try:
+            return all(holds(*arguments) for holds in self._domain_program.decisions)
+        except UnknownFact:
+            return True
+
+    @cached_property
+    def _domain_program(self) -> Any:
+        return program(self.text.domain.assume, self.text.vocabulary, self.text.constants)
+
     # -- verdicts --------------------------------------------------------------------------------
 
     def verdict(self, facts: PairFacts, applied: Applied) -> Verdict:

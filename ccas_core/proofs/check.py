@@ -1,0 +1,191 @@
+"""All properties of a ruleset, one after the other, with its waivers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, replace
+from datetime import date
+from functools import cached_property
+from typing import Final, Protocol
+
+from ..errors import Diagnostic, RulesetError
+from ..tapd.language import syntax
+from ..tapd.language.compiler import Compiler
+from ..tapd.rules import Waiver
+from ..tapd.written import WrittenRuleset
+from . import pairs
+from .findings import Fault, Finding, Outcome
+from .questions import Questions
+from .solver import Budget
+
+BUDGET: Final = 60.0  # for all properties of a ruleset [s]
+MAX_SHIPS: Final = 4  # of rings that are looked for
+
+
+class Progress(Protocol):
+    """Whoever is told how proving goes."""
+
+    def begun(self, ruleset: str, name: str) -> None:
+        """Take note that a property is looked at."""
+
+    def done(self, ruleset: str, finding: Finding) -> None:
+        """Take note of what came of it."""
+
+
+class Silence:
+    """Takes note of nothing."""
+
+    def begun(self, ruleset: str, name: str) -> None:
+        """Say nothing."""
+
+    def done(self, ruleset: str, finding: Finding) -> None:
+        """Say nothing."""
+
+
+@dataclass(eq=False)
+class Task:
+    """A ruleset that is looked at, and how much may be spent on it."""
+
+    ruleset: WrittenRuleset
+    budget: Budget
+    max_ships: int
+
+    @cached_property
+    def questions(self) -> Questions:
+        """What may be asked of two ships."""
+        return Questions((self.ruleset, self.ruleset), self.budget)
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """A property by its name, and how to look at it; None where a ruleset cannot have it."""
+
+    name: str
+    ask: Callable[[Task], Finding | None]
+
+
+# The cheap ones come first, and those on which the others rest.
+PROPERTIES: Final = (
+    Property("domain_not_empty", lambda task: pairs.domain_not_empty(task.questions)),
+    Property("mirror_sound", lambda task: pairs.mirror_sound(task.questions)),
+    Property("consistent", lambda task: pairs.consistent(task.questions)),
+    Property("complete", lambda task: pairs.complete(task.questions)),
+    Property("exclusive", lambda task: pairs.exclusive(task.questions)),
+    Property("tie_break_total", lambda task: pairs.tie_break_total(task.questions)),
+    Property("no_dead_rule", lambda task: pairs.no_dead_rule(task.questions)),
+    Property("no_irrelevant_rule", lambda task: pairs.no_irrelevant_rule(task.questions)),
+    Property("parameters", lambda task: pairs.parameters(task.ruleset, task.budget)),
+)
+NAMES: Final = tuple(each.name for each in PROPERTIES)
+
+
+def check(
+    ruleset: WrittenRuleset,
+    *,
+    today: date,
+    budget_s: float = BUDGET,
+    max_ships: int = MAX_SHIPS,
+    only: Collection[str] = (),
+    progress: Progress | None = None,
+) -> tuple[Finding, ...]:
+    """Look at all properties of a ruleset, or at some, with its waivers.
+
+    Parameters
+    ----------
+    ruleset
+        From a file.
+    today
+        By which waivers expire.
+    budget_s
+        Time for all of it [s]; what is left over when it is spent is undecided.
+    max_ships
+        Of rings that are looked for.
+    only
+        Names of properties; none: all.
+    progress
+        Is told before and after each property.
+    """
+    watch = progress or Silence()
+    task = Task(ruleset, Budget(budget_s), max_ships)
+    found = []
+    for each in PROPERTIES:
+        if only and each.name not in only:
+            continue
+        watch.begun(ruleset.id, each.name)
+        finding = each.ask(task)
+        if finding is not None:
+            finding = waived(finding, ruleset.text.waivers, today)
+            watch.done(ruleset.id, finding)
+            found.append(finding)
+    return tuple(found)
+
+
+def waived(finding: Finding, waivers: Iterable[Waiver], today: date) -> Finding:
+    """The same finding, each of its faults with the waiver that covers it; of two, one that has not expired.
+
+    A waiver that names rules covers faults that are about some of these and no other rule.
+    """
+    mine = [waiver for waiver in waivers if waiver.check == finding.property]
+    if not mine:
+        return finding
+    used: list[Waiver] = []
+    faults = []
+    for fault in finding.faults:
+        fitting = [waiver for waiver in mine if _covers(waiver, fault)]
+        used += fitting
+        best = max(fitting, key=lambda waiver: waiver.expires, default=None)
+        faults.append(replace(fault, waiver=best, expired=best is not None and best.expires < today))
+    notes = list(finding.notes)
+    if finding.outcome is not Outcome.UNDECIDED:
+        idle = [waiver for waiver in mine if waiver not in used]
+        notes += [f"the waiver in line {each.source.line} of {each.source.file} covers nothing" for each in idle]
+    return replace(finding, faults=tuple(faults), notes=tuple(notes))
+
+
+def _covers(waiver: Waiver, fault: Fault) -> bool:
+    if not waiver.rules:
+        return True
+    return bool(fault.rules) and all(rule.id in waiver.rules for rule in fault.rules)
+
+
+def overall(findings: Iterable[Finding]) -> Outcome:
+    """What findings come to together: refuted if a fault is not waived, else undecided if one of them is."""
+    outcomes = {Outcome.PROVED if each.waived else each.outcome for each in findings}
+    for worst in (Outcome.REFUTED, Outcome.UNDECIDED):
+        if worst in outcomes:
+            return worst
+    return Outcome.PROVED
+
+
+def assuming(ruleset: WrittenRuleset, condition: str) -> WrittenRuleset:
+    """The same ruleset, meant only for ships of which a condition holds, as (own, other) and swapped.
+
+    Raises
+    ------
+    RulesetError
+        If it is no condition in the words of the ruleset.
+    """
+    text = ruleset.text
+    compiler = Compiler(
+        vocabulary=text.vocabulary,
+        parameters=text.parameters,
+        definitions=text.definitions,
+        regimes=text.regimes,
+        tangents=dict(text.tangents),
+    )
+    try:
+        formula = compiler.condition(condition)
+    except syntax.Fault as fault:
+        told = Diagnostic(
+            source="--assume",
+            line=1,
+            column=fault.span.begin + 1,
+            message=fault.message,
+            expected=fault.expected,
+            hint=fault.hint,
+            excerpt=condition,
+            width=max(1, fault.span.end - fault.span.begin),
+        )
+        raise RulesetError(told) from None
+    domain = replace(text.domain, assume=(*text.domain.assume, formula))
+    return ruleset.with_text(replace(text, domain=domain, tangents=compiler.tangents))
