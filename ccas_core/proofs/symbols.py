@@ -155,6 +155,8 @@ class View:
     own: str
     other: str
     constants: Mapping[str, Polynomial]  # of parameters that have their values; others are variables
+    remembered: bool = False  # what is recognised of the encounter is that of its beginning, whatever it was
+    later: Polynomial | None = None  # time that has passed, at constant velocities [s]
     _terms: dict[int, tuple[Formula, Term]] = field(default_factory=dict)
     _derived: dict[tuple[str, str | bool], Term] = field(default_factory=dict)
     _swapped: View | None = None
@@ -164,7 +166,9 @@ class View:
     def swapped(self) -> View:
         """The same as `other` asks about `own`."""
         if self._swapped is None:
-            self._swapped = View(self.symbols, self.text, self.other, self.own, self.constants)
+            self._swapped = View(
+                self.symbols, self.text, self.other, self.own, self.constants, self.remembered, self.later
+            )
             self._swapped._swapped = self
         return self._swapped
 
@@ -255,6 +259,9 @@ class View:
                     "tvy": place[f"{b}.vy"],
                 }
             )
+            if self.later is not None:
+                self._variables["rx"] += self.later * self._variables["wx"]
+                self._variables["ry"] += self.later * self._variables["wy"]
         for name in polynomial.variables - self._variables.keys() - self.constants.keys():
             if name not in MOTION[:8] and not name.startswith(("parameter.", "tangent(")):
                 self._variables[name] = variable(self._name(name))
@@ -270,6 +277,8 @@ class View:
         return self._derived[key]
 
     def _recognised(self, name: str, value: bool | str) -> Term:
+        if self.remembered:
+            return self._held(name, value)
         found = self.text.recognition
         if found is None:
             return z3.BoolVal(value == "none")
@@ -284,6 +293,15 @@ class View:
         )
         by_value = {"own": here, "other": z3.And(z3.Not(here), there), "none": z3.Not(z3.Or(here, there))}
         return by_value[str(value)]
+
+    def _held(self, name: str, value: bool | str) -> Term:
+        """A fact of the pair as it is remembered: the same for both ships."""
+        fact = self._name(name)
+        if isinstance(value, bool):
+            return self.symbols.flag(fact)
+        words = self._words(name)
+        named = {"own": self.own, "other": self.other}
+        return self.symbols.choice(fact, named.get(value, value), tuple(named.get(word, word) for word in words))
 
     def _geometry(self, found: Recognition, value: str) -> Term:
         overtaking = z3.Or(self.term(found.overtaking), self.swapped.term(found.overtaking))
