@@ -9,6 +9,7 @@ only; or as it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -100,10 +101,13 @@ class Symbols:
         (only,) = signs
         return terms[only]
 
-    def axioms(self) -> list[Term]:
-        """What holds of every fact: one value each, where it is known; no polynomial has two signs."""
-        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms.values()]
+    def axioms(self, terms: Iterable[Term]) -> list[Term]:
+        """What holds of the facts in some terms: one value each, where it is known; no polynomial has two signs."""
+        names = names_in(terms)
+        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms_of(names)]
         for fact, words in self.choices.items():
+            if not any(f"{fact}={word}" in names for word in words) and f"known({fact})" not in names:
+                continue
             values = [self.flag(f"{fact}={word}") for word in words]
             one = z3.PbEq([(value, 1) for value in values], 1)
             if fact in self.known:
@@ -111,6 +115,14 @@ class Symbols:
             else:
                 found.append(one)
         return found
+
+    def atoms_of(self, names: AbstractSet[str]) -> list[Atom]:
+        """Atoms of which a proxy is among some names."""
+        return [
+            each
+            for each in self.atoms.values()
+            if each.positive.decl().name() in names or each.negative.decl().name() in names
+        ]
 
     def linear(self, atoms: Iterable[Atom]) -> list[Term]:
         """What the proxies mean, with a variable for each monomial: true of all ships, and of more than that."""
@@ -335,8 +347,8 @@ def kinds(text: RulesetText) -> Mapping[str, Kind]:
     return {fact.name: fact.kind for fact in text.vocabulary.by_scope[Scope.SHIP]}
 
 
-def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
-    """Atoms whose proxies occur in some terms."""
+def names_in(terms: Iterable[Term]) -> set[str]:
+    """Names of all variables in some terms."""
     names: set[str] = set()
     seen: set[int] = set()
     stack = list(terms)
@@ -345,10 +357,16 @@ def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
         if (key := term.get_id()) in seen:
             continue
         seen.add(key)
-        if z3.is_const(term):
-            names.add(str(term))
-        stack.extend(term.children())
-    return [each for each in symbols.atoms.values() if str(each.positive) in names or str(each.negative) in names]
+        children = term.children()
+        if not children:
+            names.add(term.decl().name())
+        stack.extend(children)
+    return names
+
+
+def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
+    """Atoms whose proxies occur in some terms."""
+    return symbols.atoms_of(names_in(terms))
 
 
 def at(value: Fraction | int) -> Polynomial:
