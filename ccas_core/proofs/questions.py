@@ -19,7 +19,7 @@ from .search import A, B, Facts, Goal, Ships, find, suggested
 from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonlinear
 from .symbols import Symbols, Term, View, constants_of
 
-ATTEMPTS: Final = 3  # models whose facts are tried
+ATTEMPTS: Final = 2  # models whose facts are tried
 # Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all quantities of
 # motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
@@ -101,6 +101,11 @@ class Questions:
         apart = dot(place, place) - number(domain.separation * domain.separation)
         return [*found, self.symbols.sign(apart, frozenset({0, 1}))]
 
+    def never(self, terms: Sequence[Term]) -> str | None:
+        """By which reasoning terms can never hold together, if cheap reasoning shows it."""
+        answer = ask_linear(self.symbols, [*terms, *self.domain()], self.budget)
+        return answer.method if answer.impossible else None
+
     def settled(
         self,
         terms: Sequence[Term],
@@ -122,28 +127,26 @@ class Questions:
             return find(rulesets or self.rulesets, facts, goal)
 
         asked = [*terms, *self.domain()]
-        other: list[Term] = []
+        answer = ask_linear(self.symbols, asked, self.budget)
+        if answer.impossible:
+            return Found.IMPOSSIBLE, answer.method, None
+        other = list(self.symbols.known.values())  # facts that are known are tried first
         for _ in range(ATTEMPTS):
             answer = ask_linear(self.symbols, [*asked, *other], self.budget)
-            if answer.impossible and not other:
-                return Found.IMPOSSIBLE, answer.method, None
+            if answer.impossible and self.symbols.known:
+                other = other[len(self.symbols.known) :]
+                answer = ask_linear(self.symbols, [*asked, *other], self.budget)
             if (found := ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
             if not answer.flags:
                 break
             other.append(_other_facts(answer))
-            if len(other) == 1:
-                answer = ask_nonlinear(self.symbols, asked, self.budget, NONLINEAR_LIMIT)
-                if answer.impossible:
-                    return Found.IMPOSSIBLE, answer.method, None
-                if (found := ships(answer)) is not None:
-                    return Found.POSSIBLE, answer.method, found
-        inside = self.motion_domain(self.rulesets[0].text.domain)
-        answer = ask_nonlinear(self.symbols, [*asked, *inside], self.budget, NONLINEAR_LIMIT)
-        if answer.impossible:
-            return Found.IMPOSSIBLE, answer.method, None
-        if (found := ships(answer)) is not None:
-            return Found.POSSIBLE, answer.method, found
+        for inside in ([], self.motion_domain(self.rulesets[0].text.domain)):
+            answer = ask_nonlinear(self.symbols, [*asked, *inside], self.budget, NONLINEAR_LIMIT)
+            if answer.impossible:
+                return Found.IMPOSSIBLE, answer.method, None
+            if (found := ships(answer)) is not None:
+                return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None
 

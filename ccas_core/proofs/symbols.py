@@ -9,6 +9,7 @@ only; or as it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -100,10 +101,13 @@ class Symbols:
         (only,) = signs
         return terms[only]
 
-    def axioms(self) -> list[Term]:
-        """What holds of every fact: one value each, where it is known; no polynomial has two signs."""
-        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms.values()]
+    def axioms(self, terms: Iterable[Term]) -> list[Term]:
+        """What holds of the facts in some terms: one value each, where it is known; no polynomial has two signs."""
+        names = names_in(terms)
+        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms_of(names)]
         for fact, words in self.choices.items():
+            if not any(f"{fact}={word}" in names for word in words) and f"known({fact})" not in names:
+                continue
             values = [self.flag(f"{fact}={word}") for word in words]
             one = z3.PbEq([(value, 1) for value in values], 1)
             if fact in self.known:
@@ -111,6 +115,14 @@ class Symbols:
             else:
                 found.append(one)
         return found
+
+    def atoms_of(self, names: AbstractSet[str]) -> list[Atom]:
+        """Atoms of which a proxy is among some names."""
+        return [
+            each
+            for each in self.atoms.values()
+            if each.positive.decl().name() in names or each.negative.decl().name() in names
+        ]
 
     def linear(self, atoms: Iterable[Atom]) -> list[Term]:
         """What the proxies mean, with a variable for each monomial: true of all ships, and of more than that."""
@@ -155,6 +167,8 @@ class View:
     own: str
     other: str
     constants: Mapping[str, Polynomial]  # of parameters that have their values; others are variables
+    remembered: bool = False  # what is recognised of the encounter is that of its beginning, whatever it was
+    later: Polynomial | None = None  # time that has passed, at constant velocities [s]
     _terms: dict[int, tuple[Formula, Term]] = field(default_factory=dict)
     _derived: dict[tuple[str, str | bool], Term] = field(default_factory=dict)
     _swapped: View | None = None
@@ -164,7 +178,9 @@ class View:
     def swapped(self) -> View:
         """The same as `other` asks about `own`."""
         if self._swapped is None:
-            self._swapped = View(self.symbols, self.text, self.other, self.own, self.constants)
+            self._swapped = View(
+                self.symbols, self.text, self.other, self.own, self.constants, self.remembered, self.later
+            )
             self._swapped._swapped = self
         return self._swapped
 
@@ -255,6 +271,9 @@ class View:
                     "tvy": place[f"{b}.vy"],
                 }
             )
+            if self.later is not None:
+                self._variables["rx"] += self.later * self._variables["wx"]
+                self._variables["ry"] += self.later * self._variables["wy"]
         for name in polynomial.variables - self._variables.keys() - self.constants.keys():
             if name not in MOTION[:8] and not name.startswith(("parameter.", "tangent(")):
                 self._variables[name] = variable(self._name(name))
@@ -270,6 +289,8 @@ class View:
         return self._derived[key]
 
     def _recognised(self, name: str, value: bool | str) -> Term:
+        if self.remembered:
+            return self._held(name, value)
         found = self.text.recognition
         if found is None:
             return z3.BoolVal(value == "none")
@@ -284,6 +305,15 @@ class View:
         )
         by_value = {"own": here, "other": z3.And(z3.Not(here), there), "none": z3.Not(z3.Or(here, there))}
         return by_value[str(value)]
+
+    def _held(self, name: str, value: bool | str) -> Term:
+        """A fact of the pair as it is remembered: the same for both ships."""
+        fact = self._name(name)
+        if isinstance(value, bool):
+            return self.symbols.flag(fact)
+        words = self._words(name)
+        named = {"own": self.own, "other": self.other}
+        return self.symbols.choice(fact, named.get(value, value), tuple(named.get(word, word) for word in words))
 
     def _geometry(self, found: Recognition, value: str) -> Term:
         overtaking = z3.Or(self.term(found.overtaking), self.swapped.term(found.overtaking))
@@ -317,8 +347,8 @@ def kinds(text: RulesetText) -> Mapping[str, Kind]:
     return {fact.name: fact.kind for fact in text.vocabulary.by_scope[Scope.SHIP]}
 
 
-def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
-    """Atoms whose proxies occur in some terms."""
+def names_in(terms: Iterable[Term]) -> set[str]:
+    """Names of all variables in some terms."""
     names: set[str] = set()
     seen: set[int] = set()
     stack = list(terms)
@@ -327,10 +357,16 @@ def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
         if (key := term.get_id()) in seen:
             continue
         seen.add(key)
-        if z3.is_const(term):
-            names.add(str(term))
-        stack.extend(term.children())
-    return [each for each in symbols.atoms.values() if str(each.positive) in names or str(each.negative) in names]
+        children = term.children()
+        if not children:
+            names.add(term.decl().name())
+        stack.extend(children)
+    return names
+
+
+def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
+    """Atoms whose proxies occur in some terms."""
+    return symbols.atoms_of(names_in(terms))
 
 
 def at(value: Fraction | int) -> Polynomial:
