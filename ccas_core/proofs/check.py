@@ -13,7 +13,7 @@ from ..tapd.language import syntax
 from ..tapd.language.compiler import Compiler
 from ..tapd.rules import Waiver
 from ..tapd.written import WrittenRuleset
-from . import pairs
+from . import borders, pairs, roles
 from .findings import Fault, Finding, Outcome
 from .questions import Questions
 from .solver import Budget
@@ -74,6 +74,7 @@ PROPERTIES: Final = (
     Property("tie_break_total", lambda task: pairs.tie_break_total(task.questions)),
     Property("no_dead_rule", lambda task: pairs.no_dead_rule(task.questions)),
     Property("no_irrelevant_rule", lambda task: pairs.no_irrelevant_rule(task.questions)),
+    Property("role_stable", lambda task: roles.role_stable(task.questions)),
     Property("parameters", lambda task: pairs.parameters(task.ruleset, task.budget)),
 )
 NAMES: Final = tuple(each.name for each in PROPERTIES)
@@ -120,6 +121,40 @@ def check(
     return tuple(found)
 
 
+def check_against(
+    new: WrittenRuleset,
+    old: WrittenRuleset,
+    *,
+    today: date,
+    budget_s: float = BUDGET,
+    progress: Progress | None = None,
+) -> Finding:
+    """Look for ships that a new version judges otherwise than an old one, with the waivers of the new one."""
+    watch = progress or Silence()
+    watch.begun(new.id, "against")
+    finding = waived(borders.against(new, old, Budget(budget_s)), new.text.waivers, today)
+    watch.done(new.id, finding)
+    return finding
+
+
+def check_border(
+    one: WrittenRuleset,
+    other: WrittenRuleset,
+    *,
+    today: date,
+    budget_s: float = BUDGET,
+    progress: Progress | None = None,
+) -> Finding:
+    """Look at what happens between two ships under two rulesets, with the waivers of both."""
+    watch = progress or Silence()
+    names = f"{one.id}|{other.id}"
+    watch.begun(names, "border")
+    finding = borders.border(one, other, Budget(budget_s))
+    finding = waived(finding, (*one.text.waivers, *other.text.waivers), today)
+    watch.done(names, finding)
+    return finding
+
+
 def waived(finding: Finding, waivers: Iterable[Waiver], today: date) -> Finding:
     """The same finding, each of its faults with the waiver that covers it; of two, one that has not expired.
 
@@ -138,7 +173,9 @@ def waived(finding: Finding, waivers: Iterable[Waiver], today: date) -> Finding:
     notes = list(finding.notes)
     if finding.outcome is not Outcome.UNDECIDED:
         idle = [waiver for waiver in mine if waiver not in used]
-        notes += [f"the waiver in line {each.source.line} of {each.source.file} covers nothing" for each in idle]
+        notes += [
+            f"the waiver in line {each.source.line} of {each.source.file} covers nothing" for each in idle
+        ]
     return replace(finding, faults=tuple(faults), notes=tuple(notes))
 
 

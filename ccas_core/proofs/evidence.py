@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -15,6 +15,26 @@ from .picture import draw_ships
 from .sailing import encounter_file, sailed
 from .search import Ships
 from .telling import description
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """What was found of a ruleset, or of two across a border; `name` is what it was asked for by."""
+
+    name: str
+    rulesets: tuple[WrittenRuleset, ...]
+    findings: Sequence[Finding]
+    old: WrittenRuleset | None = None  # earlier version that it was compared with
+
+    @property
+    def id(self) -> str:
+        """Ids of the rulesets."""
+        return "|".join(each.id for each in self.rulesets)
+
+    def judging(self, finding: Finding) -> tuple[WrittenRuleset, ...]:
+        """Rulesets by which the ships of a finding judge."""
+        return (*self.rulesets, self.old) if self.old and finding.property == "against" else self.rulesets
+
 
 _OURS: Final = re.compile(r"(?P<property>\w+)-\d+(\.encounter)?\.(yaml|png)")
 
@@ -38,6 +58,15 @@ def clear(folder: Path, properties: Iterable[str]) -> None:
             file.unlink()
 
 
+def shown(entry: Entry, folder: Path, *, pictures: bool = True) -> tuple[tuple[Evidence, ...], ...]:
+    """Write files of all faults of an entry into a folder of its own, in place of earlier ones."""
+    home = folder / entry.id.replace("|", "-")
+    clear(home, (finding.property for finding in entry.findings))
+    return tuple(
+        write_evidence(each, entry.judging(each), home, pictures=pictures) for each in entry.findings
+    )
+
+
 def write_evidence(
     finding: Finding, rulesets: tuple[WrittenRuleset, ...], folder: Path, *, pictures: bool = True
 ) -> tuple[Evidence, ...]:
@@ -45,7 +74,8 @@ def write_evidence(
 
     `rulesets` is the one that was looked at, or those of own ship and of the others.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    if any(fault.ships is not None for fault in finding.faults):
+        folder.mkdir(parents=True, exist_ok=True)
     return tuple(
         _written(finding.property, fault, rulesets, folder / f"{finding.property}-{number}", pictures)
         for number, fault in enumerate(finding.faults, start=1)
@@ -53,7 +83,11 @@ def write_evidence(
 
 
 def _written(
-    property_: str, fault: Fault, rulesets: tuple[WrittenRuleset, ...], stem: Path, pictures: bool  # noqa: FBT001
+    property_: str,
+    fault: Fault,
+    rulesets: tuple[WrittenRuleset, ...],
+    stem: Path,
+    pictures: bool,  # noqa: FBT001
 ) -> Evidence:
     ships = fault.ships
     if ships is None:
@@ -62,7 +96,9 @@ def _written(
     vocabulary = rulesets[0].vocabulary
     name = f"{'_'.join(dict.fromkeys(each.id for each in rulesets))}-{stem.name}"
     about = description(property_, fault, vocabulary)
-    scenario, encounter, picture = (stem.with_name(stem.name + end) for end in (".yaml", ".encounter.yaml", ".png"))
+    scenario, encounter, picture = (
+        stem.with_name(stem.name + end) for end in (".yaml", ".encounter.yaml", ".png")
+    )
     encounter.write_text(encounter_file(ships, judges, name, fault.title, vocabulary), encoding="utf-8")
     text = sailed(ships, judges, name, fault.title, about)
     if text is not None:

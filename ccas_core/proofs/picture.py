@@ -13,6 +13,7 @@ import numpy as np
 from ..frames import FloatArray
 from ..sim.chart import COLOURS
 from ..tapd.cases import CaseShip
+from .plain import USUAL_LENGTH, beam_of
 from .search import Ships
 from .telling import duty_of
 
@@ -25,8 +26,7 @@ DOTS: Final = 110  # per inch
 LEAST_VIEW: Final = 250.0  # extent that is shown at least [m]
 ROUND_TIMES: Final = (10.0, 20.0, 30.0, 60.0, 120.0, 180.0, 300.0, 600.0)  # that arrows stand for [s]
 _ARROW: Final = 0.4  # of the extent: length of the longest arrow
-_SMALL, _NORMAL = 7.5, 9.0  # sizes of letters [pt]
-_LENGTH, _SLIM = 80.0, 8.0  # of a hull that does not state it [m], and its length over its beam
+_SMALL: Final = 7.5  # size of letters [pt]
 
 
 def draw_ships(ships: Ships, file: Path, title: str = "") -> None:
@@ -51,7 +51,7 @@ def picture(ships: Ships, title: str = "") -> Figure:
     axes = figure.subplots()
     time, (low, high) = _frame(placed)
     for number, ship in enumerate(placed):
-        _ship(axes, ship, COLOURS[number % len(COLOURS)], time, float((high - low)[0]))
+        _ship(axes, ship, COLOURS[number % len(COLOURS)], time)
     axes.set(xlim=(low[1], high[1]), ylim=(low[0], high[0]), aspect="equal", facecolor="#F4F8FB")
     axes.set_xlabel(f"east [m]; arrows: the way of {time:.0f} s", fontsize=_SMALL)
     axes.set_ylabel("north [m]", fontsize=_SMALL)
@@ -60,8 +60,10 @@ def picture(ships: Ships, title: str = "") -> Figure:
     axes.grid(visible=True, color="0.88", linewidth=0.5)
     axes.set_axisbelow(True)
     if title:
-        axes.set_title("\n".join(textwrap.wrap(title, 70)), fontsize=_NORMAL, loc="left")
-    views = "\n".join(line for view in ships.verdicts for line in textwrap.wrap(_told(ships, view.own, view.other), 84))
+        axes.set_title("\n".join(textwrap.wrap(title, 64)), fontsize=_SMALL + 1.0, loc="left")
+    views = "\n".join(
+        line for view in ships.verdicts for line in textwrap.wrap(_told(ships, view.own, view.other), 84)
+    )
     figure.supxlabel(views, fontsize=_SMALL, x=0.02, ha="left")
     return figure
 
@@ -69,21 +71,20 @@ def picture(ships: Ships, title: str = "") -> Figure:
 def _told(ships: Ships, own: str, other: str) -> str:
     view = next(each for each in ships.verdicts if (each.own, each.other) == (own, other))
     rule = f" by '{view.rule}'" if view.rule else ""
-    return f"{own} on {other}: {duty_of(view)}{rule}"
+    return f"{duty_of(view)}{rule}"
 
 
 def _frame(ships: Sequence[CaseShip]) -> tuple[float, tuple[FloatArray, FloatArray]]:
-    """Time that arrows stand for [s], and the corners of a square that holds ships and arrows."""
-    here = np.array([ship.pose[:2] for ship in ships if ship.pose is not None])
-    extent = max(float(np.ptp(here, axis=0).max()), LEAST_VIEW)
+    """Time that arrows stand for [s], and the corners of a square that holds hulls, arrows and names."""
+    hulls = np.vstack([_hull(ship) for ship in ships])
+    extent = max(float(np.ptp(hulls, axis=0).max()), LEAST_VIEW)
     fastest = max(ship.speed or 0.0 for ship in ships)
     fitting = [time for time in ROUND_TIMES if time * fastest <= _ARROW * extent]
     time = max(fitting, default=ROUND_TIMES[0])
-    ends = [_end(ship, time) for ship in ships]
-    points = np.vstack([here, *ends])
+    points = np.vstack([hulls, *(_end(ship, time) for ship in ships)])
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2.0
-    half = max(float((high - low).max()), LEAST_VIEW) * 0.6
+    half = max(float((high - low).max()), LEAST_VIEW) * 0.62
     return time, (middle - half, middle + half)
 
 
@@ -94,7 +95,7 @@ def _end(ship: CaseShip, time: float) -> FloatArray:
     return np.array([north + way * math.cos(course), east + way * math.sin(course)])
 
 
-def _ship(axes: Axes, ship: CaseShip, colour: str, time: float, extent: float) -> None:
+def _ship(axes: Axes, ship: CaseShip, colour: str, time: float) -> None:
     """Draw a hull with a bow, an arrow for its velocity, and its name."""
     from matplotlib.patches import Polygon
 
@@ -106,12 +107,15 @@ def _ship(axes: Axes, ship: CaseShip, colour: str, time: float, extent: float) -
     end = _end(ship, time)
     looks = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0}
     axes.annotate("", (end[1], end[0]), (east, north), arrowprops=looks, zorder=2.0)
-    aside = np.array([-math.sin(course), math.cos(course)]) * -0.055 * extent
-    size = float(ship.facts.get("length", _LENGTH))
-    label = f"{ship.id}\n{ship.speed:g} m/s, {size:g} m"
+    length = float(ship.facts.get("length", USUAL_LENGTH))
+    aside = np.array([-math.cos(course), math.sin(course)])  # on paper, to port and up the page
+    way = 16.0 + 2.0 * abs(aside[0]) * 10.0
+    clear = float(np.abs((outline - [north, east]) @ [-math.sin(course), math.cos(course)]).max())
     axes.annotate(
-        label,
-        (east + aside[1] * 1.9, north + aside[0]),
+        f"{ship.id}\n{ship.speed:g} m/s, {length:g} m",
+        (east + aside[0] * clear, north + aside[1] * clear),
+        (float(aside[0]) * way, float(aside[1]) * way),
+        textcoords="offset points",
         ha="center",
         va="center",
         fontsize=_SMALL,
@@ -124,8 +128,8 @@ def _hull(ship: CaseShip) -> FloatArray:
     """Outline (5, 2) of a hull, north and east: a rectangle with a bow."""
     assert ship.pose is not None  # noqa: S101
     north, east, course = ship.pose
-    length = float(ship.facts.get("length", _LENGTH))
-    half = float(ship.facts.get("beam", length / _SLIM)) / 2.0
+    length = float(ship.facts.get("length", USUAL_LENGTH))
+    half = float(ship.facts.get("beam", beam_of(length))) / 2.0
     shape = np.array([[-0.5, -1.0], [0.25, -1.0], [0.5, 0.0], [0.25, 1.0], [-0.5, 1.0]]) * [length, half]
     turn = np.array([[math.cos(course), math.sin(course)], [-math.sin(course), math.cos(course)]])
     return np.asarray(shape @ turn + [north, east])

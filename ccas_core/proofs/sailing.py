@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -31,6 +31,7 @@ from ..units import wrap
 from ..verdict import Verdict
 from ..waterway import Leg, Region, Towards, Waters, Waterway
 from ..yaml_nodes import written
+from .plain import USUAL_LENGTH, beam_of
 from .search import Ships
 
 NARROW: Final = 160.0  # least width of a waterway [m]
@@ -42,7 +43,6 @@ LATEST: Final = 1800.0  # later meetings are not waited for [s]
 FARTHEST: Final = 20_000.0  # crossings of waterways that lie farther off are left out [m]
 _PARALLEL: Final = math.radians(22.5)  # courses this near to parallel or opposite share a waterway
 _IN_KEYS: Final = ("length", "beam", "weight")  # facts that a scenario states as keys of their own
-_LENGTH: Final = 80.0  # of a ship that does not state it [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,9 @@ def scenario_of(ships: Ships, name: str, title: str = "", description: str = "")
         name=name,
         title=title,
         description=description,
-        waters=Waters(ruleset=main, waterways=tuple(waterways), regions=tuple(_regions(case, rulesets, main))),
+        waters=Waters(
+            ruleset=main, waterways=tuple(waterways), regions=tuple(_regions(case, rulesets, main))
+        ),
         ships=tuple(_plan(ship, waterways[of[ship.id]], lanes[of[ship.id]], case) for ship in case.ships),
     )
 
@@ -226,8 +228,8 @@ def _plan(ship: CaseShip, waterway: Waterway, lane: _Lane, case: Case) -> Plan:
     pose = NedPose(*_pose(ship))
     towards = Towards.END if math.cos(pose.course - lane.course) > 0.0 else Towards.START
     offset = round(waterway.frame(towards).to_path(pose).y, 2) + 0.0
-    length = float(ship.facts.get("length", _LENGTH))
-    beam = float(ship.facts.get("beam", max(2.0, round(length / 8.0, 1))))
+    length = float(ship.facts.get("length", USUAL_LENGTH))
+    beam = float(ship.facts.get("beam", beam_of(length)))
     mass = float(ship.facts.get("weight", round(1.5 * length * beam) * 1000.0))
     return Plan(
         ship=Ship(id=ship.id, hull=Hull(length=length, beam=beam), mass=mass, facts=_stated(ship, case)),
@@ -265,8 +267,7 @@ def encounter_file(
     vocabulary: Vocabulary = VOCABULARY,
 ) -> str:
     """Text of an encounter file with the ships, and with what the rulesets say of them now."""
-    tree = case_tree(ships.case, {}, vocabulary)
-    tree |= {"id": name, "title": title}
+    tree = case_tree(replace(ships.case, id=name, title=title), {}, vocabulary)
     tree["expected"] = {each.id: _expected(each, ships.case) for each in rulesets.values()}
     lines = ["schema_version: 1", "cases:"]
     for key, value in tree.items():

@@ -24,6 +24,7 @@ from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
 from ..verdict import Verdict
+from .plain import USUAL_LENGTH, beam_of, plainer
 from .solver import Answer
 
 Goal: TypeAlias = Callable[[Verdict, Verdict], bool]  # of the views of A and of B
@@ -32,7 +33,6 @@ A, B = ShipId("A"), ShipId("B")
 TRIES: Final = 1500
 ENOUGH: Final = 12  # hits among which the one with the widest margin is taken
 _REACHES: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0)  # [m]
-_DEFAULT_LENGTH: Final = 80.0  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,7 @@ class Facts:
 
 def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) -> Facts:
     """Facts of a model, by ship; what it leaves open has its default."""
-    by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH} for ship in ships}
+    by_ship: dict[str, dict[str, Any]] = {ship: {"length": USUAL_LENGTH} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
     regimes: list[str] = []
@@ -74,10 +74,12 @@ def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) 
     for name, number in answer.numbers.items():
         owner, _, fact = name.partition(".")
         known = text.vocabulary.find(Scope.SHIP, fact)
+        if name.endswith((".beam", ".weight")) and number <= 0:
+            continue  # no ship is so; it has a usual one
         if owner in by_ship and known is not None and known.kind is Kind.NUMBER and "*" not in name:
             by_ship[owner][fact] = _round(number, fact)
     for stated in by_ship.values():
-        stated.setdefault("beam", max(2.0, round(stated["length"] / 8.0, 1)))
+        stated.setdefault("beam", beam_of(stated["length"]))
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
     return Facts(by_ship, waterway, pair)
@@ -91,7 +93,9 @@ def _round(value: Fraction, fact: str) -> float:
     return float(near if fact != "passengers_max" and math.floor(near) == math.floor(value) else value)
 
 
-def case_of(facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships") -> Case:
+def case_of(
+    facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships"
+) -> Case:
     """A case from facts and, by ship, north, east [m], course [deg] and speed [m/s]."""
     ships = tuple(
         CaseShip(
@@ -177,7 +181,22 @@ def find(
                 break
     if not hits:
         return None
-    return max((replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin)
+    best = max(
+        (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin
+    )
+    return _plain(rulesets, best, goal)
+
+
+def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships:
+    """The same ships, with no more facts than it takes to show the same by the same rules."""
+    rules = [view.rule for view in ships.verdicts]
+
+    def shows(case: Case) -> bool:
+        verdicts = _reaches(rulesets, case, goal)
+        return verdicts is not None and [view.rule for view in verdicts] == rules
+
+    case = plainer(ships.case, shows)
+    return Ships(case=case, verdicts=judged(rulesets, case), margin=margin(rulesets, case, goal))
 
 
 def _reaches(

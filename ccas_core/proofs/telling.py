@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -38,17 +39,20 @@ MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
 )
 _ROLES: Final[Mapping[Kind, str]] = MappingProxyType(
     {
-        Kind.GIVE_WAY: "gives way",
-        Kind.STAND_ON: "stands on",
-        Kind.MUTUAL: "gives way, and so must the other",
-        Kind.COOPERATE: "is to agree on a manoeuvre",
-        Kind.NEGOTIATE: "is to negotiate",
-        Kind.NONE: "has no duty",
-        Kind.PROHIBITED: "finds a manoeuvre forbidden",
-        Kind.CONFLICT: "finds that the rules contradict themselves",
-        Kind.GAP: "finds no answer in the rules",
-        Kind.UNKNOWN_FACT: "lacks a fact",
+        Kind.GIVE_WAY: "gives way to {other}",
+        Kind.STAND_ON: "stands on towards {other}",
+        Kind.MUTUAL: "and {other} both give way",
+        Kind.COOPERATE: "is to agree with {other} on what {initiator} wants",
+        Kind.NEGOTIATE: "is to negotiate with {other}",
+        Kind.NONE: "has no duty towards {other}",
+        Kind.PROHIBITED: "finds that {initiator} must not do what it wants",
+        Kind.CONFLICT: "finds that the rules on {other} contradict themselves",
+        Kind.GAP: "finds that the rules on {other} decide nothing",
+        Kind.UNKNOWN_FACT: "lacks a fact to judge {other}",
     }
+)
+_REASONS: Final[Mapping[str, str]] = MappingProxyType(
+    {"no_rule": "no rule applies", "no_risk": "there is no risk of collision"}
 )
 _UNITS: Final = (("_mps", "m/s"), ("_deg", "deg"), ("_m", "m"), ("_s", "s"))
 _COUNTED: Final = (Before, Known, Same, Sign, Test)
@@ -57,9 +61,7 @@ _PLAIN: Final = ("length", "beam")  # facts of ships that are told anyway
 
 def heading(text: RulesetText) -> str:
     """Say in a line how large a ruleset is, and for which ships it is meant."""
-    conditions = {
-        part for rule in text.rules for part in walk(rule.condition) if isinstance(part, _COUNTED)
-    }
+    conditions = {part for rule in text.rules for part in walk(rule.condition) if isinstance(part, _COUNTED)}
     counted = f"{len(text.rules)} rules, {len(conditions)} conditions"
     return f"{text.id} {text.version}   {counted}, domain: {domain(text.domain)}"
 
@@ -79,13 +81,19 @@ def marked(rule: Rule) -> Diagnostic:
     """Show where a rule is written, under its id; what is wrong with it is told elsewhere."""
     source = rule.source
     return Diagnostic(
-        source=source.file,
+        source=near(source.file),
         line=source.line,
         column=source.column,
         message=f"rule '{rule.id}', {rule.citation}",
         excerpt=source.excerpt,
         width=len(rule.id),
     )
+
+
+def near(file: str) -> str:
+    """Path of a file, as short as it can be said from here."""
+    path = Path(file)
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else file
 
 
 def ship_lines(ships: Ships, vocabulary: Vocabulary = VOCABULARY) -> tuple[str, ...]:
@@ -173,22 +181,27 @@ def _bearing(angle: float) -> str:
 
 
 def view_lines(view: Verdict) -> tuple[str, ...]:
-    """Say what a ship makes of another: its verdict, by which rule and article, and the values behind it."""
-    by = f" by '{view.rule}'" if view.rule else ""
-    article = f" ({view.article})" if view.article else ""
-    what = f"{view.kind}, for it {_ROLES[view.kind]}"
-    lines = [f"{view.own} of {view.other}: {what},{by}{article}" if by else f"{view.own} of {view.other}: {what}"]
+    """Say what a ship makes of another: its verdict, by which rule and article, and the values behind it.
+
+    What a rule looked at and is not so is left out.
+    """
+    lines = [duty_of(view) + (f", by '{view.rule}'" if view.rule else "")]
     if view.reason:
-        lines.append(f"    because {view.reason}")
-    if view.facts:
-        values = ", ".join(_seen(name, value, view) for name, value in view.facts.items())
-        lines.append(f"    with {values}")
+        lines.append(f"because {_REASONS.get(view.reason, view.reason)}")
+    values = [_seen(name, value, view) for name, value in view.facts.items() if value is not False]
+    if values:
+        lines.append(f"with {', '.join(values)}")
     return tuple(lines)
 
 
 def duty_of(view: Verdict) -> str:
-    """Say in a few words what a ship takes its duty to be, and by which article."""
-    return f"{view.own} {_ROLES[view.kind]}" + (f" ({view.article})" if view.article else "")
+    """Say in a few words what a ship takes its duty to be, and by which article.
+
+    >>> duty_of(Verdict(own="A", other="B", kind=Kind.STAND_ON, ruleset="r", version="1"))  # type: ignore[arg-type]
+    'A stands on towards B'
+    """
+    role = _ROLES[view.kind].format(other=view.other, initiator=view.initiator)
+    return f"{view.own} {role}" + (f" ({view.article})" if view.article else "")
 
 
 def _seen(name: str, value: Any, view: Verdict) -> str:  # noqa: ANN401
@@ -225,5 +238,5 @@ def description(property_: str, fault: Fault, vocabulary: Vocabulary = VOCABULAR
     lines = [about, f"Rules: {rules}." if rules else ""]
     if fault.ships is not None:
         lines += [f"{each}." for each in sights(fault.ships, vocabulary)]
-        lines += [f"{view.own} judges {view.other}: {duty_of(view)}." for view in fault.ships.verdicts]
+        lines += [f"{duty_of(view)}." for view in fault.ships.verdicts]
     return " ".join(filter(None, lines))

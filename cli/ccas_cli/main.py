@@ -10,12 +10,13 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
+from . import bench, check, consistency, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
     check.check,
+    consistency.check_consistency,
     graph.graph,
     explain.explain,
     scenarios.scenarios,
