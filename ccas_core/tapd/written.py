@@ -213,6 +213,18 @@ class WrittenRuleset(PairRuleset):
                     return found
         return found
 
+    def assumptions(self, facts: PairFacts) -> bool:
+        """Whether a pair keeps to what the ruleset assumes of its domain; what is not known does not hinder it."""
+        _, own, _ = self.recognised(facts)
+        try:
+            return all(decide(*own[:5], [None] * self._assumed.memory) for decide in self._assumed.decisions)
+        except UnknownFact:
+            return True
+
+    @cached_property
+    def _assumed(self) -> Any:
+        return program(self.text.domain.assume, self.text.vocabulary, self.text.constants)
+
     @cached_property
     def _program(self) -> Any:
         text = self.text
