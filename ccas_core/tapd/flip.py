@@ -37,7 +37,7 @@ class Manoeuvre(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flip:
-    """A change of a ship's course [rad] or speed [m/s] that changes the kind of verdict; the verdicts then."""
+    """A change of course [rad] or speed [m/s] that changes the kind of verdict, and the verdicts then."""
 
     ship: ShipId
     manoeuvre: Manoeuvre
