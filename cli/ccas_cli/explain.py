@@ -29,7 +29,7 @@ def explain(
         str,
         typer.Argument(
             metavar="WHAT",
-            help="A scenario, by its path or its name; an encounter file, a ruleset file or the id of a ruleset, "
+            help="A scenario, by path or name; an encounter file, a ruleset file or the id of a ruleset, "
             "with --case; or a run folder, with --time.",
             show_default=False,
         ),
