@@ -8,20 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Final
+from typing import Final, TypeAlias
 
 from ..ships import ShipId
 from ..verdict import OPPOSITE, Kind, Verdict
 from .condition_text import Reading, Words, stripped
 from .facts import PairFacts
-from .language.code import UnknownFact, Values, program
+from .language.code import Decision, UnknownFact, Values, program
 from .language.formula import And, Constant, Formula, Named, Not, Or, Sign, Test
 from .language.threefold import Finding, Truth, examine
-from .rules import Mirror, Policy, Recognition, Rule
+from .rules import Mirror, Policy, Rule
 from .vocabulary import Scope
 from .written import WrittenRuleset
 
+_Values: TypeAlias = tuple[Values, Values, Values, Values, Values]
 _AGAIN: Final = "as above"
 _IMPOSSIBLE: Final = 1000  # conditions that fail count as many, where one can never hold
 
@@ -101,6 +101,7 @@ def why_not(ruleset: WrittenRuleset, facts: PairFacts, kind: Kind) -> tuple[Near
     """Rules that would have given `facts.own`'s view some kind of verdict, the nearest to it first."""
     verdict = ruleset.judge(facts)
     look = _Look(ruleset, facts)
+    look.prepare(*(rule.condition for rule in ruleset.text.rules))
     ids = [rule.id for rule in ruleset.text.rules]
     decided = ids.index(verdict.rule) if verdict.rule in ids else len(ids)
     found: list[tuple[tuple[bool, int, float, int], NearMiss]] = []
@@ -134,42 +135,39 @@ class _Look:
         self._text = ruleset.text
         seen, own, swapped = ruleset.recognised(facts)
         self._given = facts
-        self._arguments: dict[bool, tuple[Values, ...]] = {False: own[:5], True: swapped[:5]}
+        self._arguments: dict[bool, _Values] = {False: own[:5], True: swapped[:5]}
         self._seen = {False: seen, True: replace(seen.mirrored(), pair_values=swapped[3])}
+        self._compiled: dict[Formula, tuple[Decision, int]] = {}
         self._values: dict[tuple[bool, Formula], Truth] = {}
         self._told: set[tuple[object, bool]] = set()
         self.sides = (False, True) if ruleset.text.mirror is Mirror.AUTO else (False,)
 
     # -- values ----------------------------------------------------------------------------------
 
-    @cached_property
-    def _decisions(self) -> dict[Formula, object]:
-        """All conditions that are not made of others, compiled as those that judge are."""
-        recognition = self._text.recognition
-        formulas = [rule.condition for rule in self._text.rules]
-        formulas += [gate.formula for gate in self._text.gates]
-        formulas += [] if recognition is None else _formulas(recognition)
-        leaves = list(dict.fromkeys(leaf for formula in formulas for leaf in _leaves(formula)))
-        compiled = program(leaves, self._text.vocabulary, self._text.constants)
-        self._memory = compiled.memory
-        return dict(zip(leaves, compiled.decisions, strict=True))
+    def prepare(self, *formulas: Formula) -> None:
+        """Compile what conditions are made of, as those that judge are, so that they mean the same."""
+        leaves = dict.fromkeys(leaf for formula in formulas for leaf in _leaves(formula))
+        if new := [leaf for leaf in leaves if leaf not in self._compiled]:
+            compiled = program(new, self._text.vocabulary, self._text.constants)
+            self._compiled |= {
+                leaf: (decision, compiled.memory)
+                for leaf, decision in zip(new, compiled.decisions, strict=True)
+            }
 
     def decide(self, leaf: Formula, *, swapped: bool) -> Truth:
-        """Value of a condition that is not made of others."""
+        """Value of a condition that is not made of others, and has been prepared."""
         key = swapped, leaf
         if key not in self._values:
-            decision = self._decisions.get(leaf)
-            if decision is None:
-                (decision,) = program([leaf], self._text.vocabulary, self._text.constants).decisions
+            decision, memory = self._compiled[leaf]
             try:
-                memory: list[object] = [None] * (self._memory + 1)
-                self._values[key] = bool(decision(*self._arguments[swapped], memory))  # type: ignore[operator]
+                self._values[key] = bool(decision(*self._arguments[swapped], [None] * memory))
             except UnknownFact:
                 self._values[key] = None
         return self._values[key]
 
     def value(self, formula: Formula, *, swapped: bool) -> Truth:
         """Value of a condition."""
+        self.prepare(formula)
         return examine(formula, lambda leaf: self.decide(leaf, swapped=swapped), lambda _: "").value
 
     # -- rules -----------------------------------------------------------------------------------
@@ -236,6 +234,7 @@ class _Look:
         return row.parts if isinstance(formula, And) and row.parts else (row,)
 
     def _examined(self, formula: Formula, *, swapped: bool) -> Row:
+        self.prepare(formula)
         words = Words(self._text, self._seen[swapped])
         found = examine(formula, lambda leaf: self.decide(leaf, swapped=swapped), words.say)
         return self._row(found, words, swapped=swapped)
@@ -366,11 +365,6 @@ def _joined(formula: Formula) -> str:
     if isinstance(formula, Or):
         return "none of" if negated else "one of"
     return "not all of" if negated and isinstance(formula, And) else ""
-
-
-def _formulas(recognition: Recognition) -> list[Formula]:
-    found = recognition
-    return [found.risk, found.overtaking, found.head_on, found.crossing, found.from_starboard]
 
 
 def _leaves(formula: Formula) -> Iterator[Formula]:

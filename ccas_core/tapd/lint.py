@@ -6,6 +6,7 @@ looks at encounter files.  The pages are in `code_pages`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from datetime import date
 from typing import TYPE_CHECKING, Final
@@ -58,7 +59,17 @@ def _unused(reader: Reader, names: Mapping[str, Mapping[str, Node]], used: set[s
             if key not in used:
                 hint = "remove it, or is a name misspelt where it should be used?"
                 message = f"{what} '{name}' is not used"
-                reader.refuse(node, message, hint=hint, width=len(name), code=_CODES[what])
+                place = _key_place(reader, name, node)
+                reader.refuse(place, message, hint=hint, width=len(name), code=_CODES[what])
+
+
+def _key_place(reader: Reader, name: str, near: Place) -> Place:
+    """Where a name is written as a key: at a place, or before it, where the place is that of the value."""
+    key = re.compile(rf"(?<![\w.]){re.escape(name)}(?=[\"']?\s*[:(])")
+    for number in range(near.line, max(0, near.line - 20), -1):
+        if found := key.search(reader.line(number)):
+            return Place(number, found.start() + 1)
+    return near
 
 
 def _on_rule(
