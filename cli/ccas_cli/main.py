@@ -10,16 +10,32 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
+from . import (
+    bench,
+    check,
+    codes,
+    explain,
+    facts,
+    graph,
+    plugins,
+    reproduce,
+    rulesets,
+    scenarios,
+    simulate,
+    testing,
+)
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
     check.check,
+    codes.code,
+    testing.test,
     graph.graph,
     explain.explain,
     scenarios.scenarios,
     rulesets.rulesets,
+    facts.facts,
     plugins.plugins,
     reproduce.reproduce,
     bench.bench,
