@@ -20,6 +20,7 @@ from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonl
 from .symbols import Symbols, Term, View, constants_of
 
 ATTEMPTS: Final = 2  # models whose facts are tried
+GLANCE: Final = 0.4  # for a nonlinear question, before ships are looked for [s]
 # Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all quantities of
 # motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
@@ -65,14 +66,15 @@ class Questions:
         for ladder, ruleset in ((self.own, self.rulesets[0]), (self.other, self.rulesets[1])):
             domain = ruleset.text.domain
             found += [view.term(f) for view in (ladder.view, ladder.view.swapped) for f in domain.assume]
-        found += self._numbers(self.rulesets[0].text)
+        found += self.bounds_of(self.rulesets[0].text, self.symbols)
         if self.free:
             found += _ranges(self.symbols, self.rulesets[0].text)
         return found
 
-    def _numbers(self, text: RulesetText) -> list[Term]:
+    @staticmethod
+    def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
         """Bounds of numeric facts that some condition looks at."""
-        asked = {name for atom in self.symbols.atoms for name in atom.variables}
+        asked = {name for atom in symbols.atoms for name in atom.variables}
         found = []
         for name in sorted(asked):
             owner, _, fact = name.partition(".")
@@ -80,9 +82,9 @@ class Questions:
             if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
                 continue
             low, high = text.domain.length if fact == "length" else (0, None)
-            found.append(self.symbols.sign(variable(name) - number(low), frozenset({0, 1})))
+            found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
             if high is not None:
-                found.append(self.symbols.sign(number(high) - variable(name), frozenset({0, 1})))
+                found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
         return found
 
     def motion_domain(self, domain: Domain) -> list[Term]:
@@ -128,6 +130,9 @@ class Questions:
 
         asked = [*terms, *self.domain()]
         answer = ask_linear(self.symbols, asked, self.budget)
+        if answer.impossible:
+            return Found.IMPOSSIBLE, answer.method, None
+        answer = ask_nonlinear(self.symbols, asked, self.budget, GLANCE)
         if answer.impossible:
             return Found.IMPOSSIBLE, answer.method, None
         other = list(self.symbols.known.values())  # facts that are known are tried first

@@ -40,7 +40,7 @@ class Ships:
     """An encounter that shows something, what both ships say of it, and its margin [m]."""
 
     case: Case
-    verdicts: tuple[Verdict, Verdict]
+    verdicts: tuple[Verdict, ...]  # views of A and of B; of a ring, of each ship on the one that it gives way to
     margin: float
 
 
@@ -209,7 +209,7 @@ def _reaches(
 def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> bool:
     """Whether what the rulesets assume of ships holds, as both see it."""
     return all(
-        ruleset.assumed(pair_facts(case, own, other, ruleset.vocabulary))
+        ruleset.assumptions(pair_facts(case, own, other, ruleset.vocabulary))
         for ruleset in dict.fromkeys(rulesets)
         if ruleset.text.domain.assume
         for own, other in ((A, B), (B, A))

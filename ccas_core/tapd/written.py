@@ -213,6 +213,18 @@ class WrittenRuleset(PairRuleset):
                     return found
         return found
 
+    def assumptions(self, facts: PairFacts) -> bool:
+        """Whether a pair keeps to what the ruleset assumes of its domain; what is not known does not hinder it."""
+        _, own, _ = self.recognised(facts)
+        try:
+            return all(decide(*own[:5], [None] * self._assumed.memory) for decide in self._assumed.decisions)
+        except UnknownFact:
+            return True
+
+    @cached_property
+    def _assumed(self) -> Any:
+        return program(self.text.domain.assume, self.text.vocabulary, self.text.constants)
+
     @cached_property
     def _program(self) -> Any:
         text = self.text
@@ -244,19 +256,6 @@ class WrittenRuleset(PairRuleset):
     def with_text(self, text: RulesetText) -> WrittenRuleset:
         """The same ruleset with another text, such as one that is meant for fewer ships."""
         return WrittenRuleset(text, self._python, self._criteria)
-
-    def assumed(self, facts: PairFacts) -> bool:
-        """Whether a pair is one of those that the domain assumes; what is not known does not speak against it."""
-        _, own, _ = self.recognised(facts)
-        arguments = (*own[:5], [None] * self._domain_program.memory)
-        try:
-            return all(holds(*arguments) for holds in self._domain_program.decisions)
-        except UnknownFact:
-            return True
-
-    @cached_property
-    def _domain_program(self) -> Any:
-        return program(self.text.domain.assume, self.text.vocabulary, self.text.constants)
 
     # -- verdicts --------------------------------------------------------------------------------
 

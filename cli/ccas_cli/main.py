@@ -10,17 +10,34 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, consistency, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
+from . import (
+    bench,
+    check,
+    codes,
+    consistency,
+    explain,
+    facts,
+    graph,
+    plugins,
+    reproduce,
+    rulesets,
+    scenarios,
+    simulate,
+    testing,
+)
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
     check.check,
+    codes.code,
+    testing.test,
     consistency.check_consistency,
     graph.graph,
     explain.explain,
     scenarios.scenarios,
     rulesets.rulesets,
+    facts.facts,
     plugins.plugins,
     reproduce.reproduce,
     bench.bench,

@@ -20,7 +20,7 @@ def test_graph_tells_edges_with_their_source(two_ships: Path) -> None:
     (edge,) = found["edges"]
     assert (edge["first"], edge["then"], edge["kind"]) == ("ship_1", "ship_2", "duty")
     assert (edge["ruleset"], edge["article"]) == ("tran2026", ARTICLE)
-    assert edge["reason"] == "the ship that comes from port gives way"
+    assert edge["reason"] == "The ship that comes from port gives way"
     assert found["generations"] == [["ship_1"], ["ship_2"]]
     assert (found["cycles"], found["openings"], found["without_edge"]) == ([], [], [])
 
@@ -93,8 +93,8 @@ def test_explanation_as_text_says_the_same(two_ships: Path) -> None:
 
     assert "ship_1 and ship_2: crossing: ship_1 gives way, ship_2 stands on" in text
     assert ARTICLE in text
-    assert "because the ship that comes from port gives way" in text
-    assert "tcpa_s" in text
+    assert "because The ship that comes from port gives way" in text
+    assert "ship_1.time_to_intersection < 900 s" in text
 
 
 def test_explanation_of_one_pair_is_of_that_pair() -> None:
