@@ -11,7 +11,7 @@ arms at 120 degrees), with facts alike and at random, judged by the rules as the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final
@@ -35,13 +35,12 @@ from ..verdict import Kind, Verdict
 from .findings import Fault, Finding
 from .ladder import Ladder
 from .pairs import Tally
-from .questions import Questions
+from .questions import bounds_of
 from .search import A, B, Facts, Ships, case_of
 from .solver import NONLINEAR_LIMIT, Budget, ask_linear, ask_nonlinear
 from .symbols import Symbols, Term, View, constants_of
 
 TRIES: Final = 260  # groups of ships that are tried for each shape and number of ships
-REACH: Final = math.tan(math.radians(22.0))  # courses on a reach are within 22 deg of its axis
 _LENGTHS: Final = (12.0, 60.0, 110.0)
 
 
@@ -66,11 +65,11 @@ SHAPES: Final = (
 def acyclic(ruleset: WrittenRuleset, budget: Budget, max_ships: int = 4, *, reach_only: bool = False) -> Finding:
     """Ships never give way to one another in a ring, however many they are.
 
-    `reach_only` asks for ships on one reach of a river: courses along its axis, upbound ships one way and
-    downbound ships the other.
+    `reach_only` asks for ships that follow one reach of a river: courses along its axis, upbound ships one way
+    and downbound ships the other.
     """
     tally = Tally()
-    shapes = [shape for shape in SHAPES if not reach_only or shape.name == "a reach"]
+    shapes = [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
     for shape in shapes:
         _search(tally, ruleset, shape, budget, max_ships)
     if tally.faults:
@@ -94,21 +93,23 @@ def acyclic(ruleset: WrittenRuleset, budget: Budget, max_ships: int = 4, *, reac
 
 def _ranking(ruleset: WrittenRuleset, budget: Budget, *, reach: bool) -> list[str] | None:
     """Names of features and the number that decides at last; None where no ranking is found."""
-    fixed: Mapping[str, Polynomial] = {"A.x": number(0), "A.y": number(0)}
-    symbols = Symbols(fixed=dict(fixed))
+    fixed: dict[str, Polynomial] = {"A.x": number(0), "A.y": number(0)}
+    if reach:
+        fixed |= {"A.vy": number(0), "B.vy": number(0)}
+    symbols = Symbols(fixed=fixed)
     text = ruleset.text
     view = View(symbols, text, A, B, constants_of(text, free=False))
     ladder = Ladder(view)
     gives_way = ladder.says(Kind.GIVE_WAY)
     given = [gives_way, *(v.term(f) for v in (view, view.swapped) for f in text.domain.assume)]
     given += _on_a_reach(symbols) if reach else []
-    questions = Questions((ruleset, ruleset), budget)
 
     def never(*terms: Term) -> bool:
-        asked = [*given, *terms, *questions.bounds_of(text, symbols)]
-        if ask_linear(symbols, asked, budget).impossible:
-            return True
-        return ask_nonlinear(symbols, asked, budget, NONLINEAR_LIMIT / 4.0).impossible
+        return ask_linear(symbols, [*given, *terms, *bounds_of(text, symbols)], budget).impossible
+
+    def never_at_all(*terms: Term) -> bool:
+        asked = [*given, *terms, *bounds_of(text, symbols)]
+        return never(*terms) or ask_nonlinear(symbols, asked, budget, NONLINEAR_LIMIT).impossible
 
     if never():
         return ["no ship ever gives way"]
@@ -119,7 +120,8 @@ def _ranking(ruleset: WrittenRuleset, budget: Budget, *, reach: bool) -> list[st
         progress = False
         for name, (here, there) in list(features.items()):
             for word, first, second in ((name, here, there), (f"not {name}", z3.Not(here), z3.Not(there))):
-                if never(z3.Not(first), second):  # who gives way never lacks what the other has
+                decide = never_at_all if "direction" in name else never
+                if decide(z3.Not(first), second):  # who gives way never lacks what the other has
                     strict = not never(first, z3.Not(second))
                     del features[name]
                     given.append(here == there)
@@ -128,30 +130,21 @@ def _ranking(ruleset: WrittenRuleset, budget: Budget, *, reach: bool) -> list[st
                     break
             if never():
                 return found
-    last = _deciding_number(text, symbols, never, reach=reach)
+    if never_at_all():
+        return found
+    last = _deciding_number(text, symbols, never_at_all, reach=reach)
     return None if last is None else [*found, last]
 
 
 def _on_a_reach(symbols: Symbols) -> list[Term]:
     """Both ships sail along the axis, towards +x or towards -x, upbound and downbound apart."""
-    tangent = number(_fraction(REACH))
     found = []
     for ship in (A, B):
-        along, across = variable(f"{ship}.vx"), variable(f"{ship}.vy")
-        up = symbols.sign(along, frozenset({1}))
-        ahead = [symbols.sign(tangent * along - sign * across, frozenset({1})) for sign in (number(1), number(-1))]
-        back = [symbols.sign(-tangent * along - sign * across, frozenset({1})) for sign in (number(1), number(-1))]
-        found.append(z3.Or(z3.And(ahead), z3.And(back)))
+        up = symbols.sign(variable(f"{ship}.vx"), frozenset({1}))
         words = ("upbound", "downbound", "none")
         found.append(z3.Implies(symbols.choice(f"{ship}.direction", "upbound", words), up))
         found.append(z3.Implies(symbols.choice(f"{ship}.direction", "downbound", words), z3.Not(up)))
     return found
-
-
-def _fraction(value: float) -> Any:
-    from fractions import Fraction
-
-    return Fraction(value).limit_denominator(10**6)
 
 
 def _features(text: RulesetText, view: View) -> Iterator[tuple[str, tuple[Term, Term]]]:

@@ -66,25 +66,9 @@ class Questions:
         for ladder, ruleset in ((self.own, self.rulesets[0]), (self.other, self.rulesets[1])):
             domain = ruleset.text.domain
             found += [view.term(f) for view in (ladder.view, ladder.view.swapped) for f in domain.assume]
-        found += self.bounds_of(self.rulesets[0].text, self.symbols)
+        found += bounds_of(self.rulesets[0].text, self.symbols)
         if self.free:
             found += _ranges(self.symbols, self.rulesets[0].text)
-        return found
-
-    @staticmethod
-    def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
-        """Bounds of numeric facts that some condition looks at."""
-        asked = {name for atom in symbols.atoms for name in atom.variables}
-        found = []
-        for name in sorted(asked):
-            owner, _, fact = name.partition(".")
-            known = text.vocabulary.find(Scope.SHIP, fact)
-            if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
-                continue
-            low, high = text.domain.length if fact == "length" else (0, None)
-            found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
-            if high is not None:
-                found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
         return found
 
     def motion_domain(self, domain: Domain) -> list[Term]:
@@ -154,6 +138,22 @@ class Questions:
                 return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None
+
+
+def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
+    """Bounds of numeric facts that some condition looks at."""
+    asked = {name for atom in symbols.atoms for name in atom.variables}
+    found = []
+    for name in sorted(asked):
+        owner, _, fact = name.partition(".")
+        known = text.vocabulary.find(Scope.SHIP, fact)
+        if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
+            continue
+        low, high = text.domain.length if fact == "length" else (0, None)
+        found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
+        if high is not None:
+            found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
+    return found
 
 
 def _other_facts(answer: Answer) -> Term:
