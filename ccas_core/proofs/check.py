@@ -13,7 +13,7 @@ from ..tapd.language import syntax
 from ..tapd.language.compiler import Compiler
 from ..tapd.rules import Waiver
 from ..tapd.written import WrittenRuleset
-from . import borders, pairs, roles
+from . import borders, cycles, pairs, roles
 from .findings import Fault, Finding, Outcome
 from .questions import Questions
 from .solver import Budget
@@ -75,6 +75,7 @@ PROPERTIES: Final = (
     Property("no_dead_rule", lambda task: pairs.no_dead_rule(task.questions)),
     Property("no_irrelevant_rule", lambda task: pairs.no_irrelevant_rule(task.questions)),
     Property("role_stable", lambda task: roles.role_stable(task.questions)),
+    Property("acyclic", lambda task: cycles.acyclic(task.ruleset, task.budget, task.max_ships)),
     Property("parameters", lambda task: pairs.parameters(task.ruleset, task.budget)),
 )
 NAMES: Final = tuple(each.name for each in PROPERTIES)

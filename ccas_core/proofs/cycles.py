@@ -35,6 +35,7 @@ from ..verdict import Kind, Verdict
 from .findings import Fault, Finding
 from .ladder import Ladder
 from .pairs import Tally
+from .plain import plainer
 from .questions import bounds_of
 from .search import A, B, Facts, Ships, case_of
 from .solver import NONLINEAR_LIMIT, Budget, ask_linear, ask_nonlinear
@@ -225,13 +226,21 @@ def _search(tally: Tally, ruleset: WrittenRuleset, shape: Shape, budget: Budget,
 def _told(
     tally: Tally, ruleset: WrittenRuleset, shape: Shape, case: Case, found: tuple[list[ShipId], list[Verdict]]
 ) -> None:
-    order, views = found
+    case = plainer(case, lambda plain: _alike(ring(ruleset, plain), found) and _within(ruleset, plain))
+    order, views = ring(ruleset, case) or found
     rules: tuple[Rule, ...] = tuple(ruleset.text.rule(id_) for id_ in dict.fromkeys(v.rule for v in views))
     names = " -> ".join([*order, order[0]])
     by = ", ".join(str(rule.citation) for rule in rules)
     title = f"{len(order)} ships give way in a ring on {shape.name}: {names}, by {by}"
-    ships = Ships(case=replace(case, id=f"ring of {len(order)}"), verdicts=(views[0], views[1]), margin=0.0)
+    ships = Ships(case=replace(case, id=f"ring of {len(order)}"), verdicts=tuple(views), margin=0.0)
     tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="cycle"))
+
+
+def _alike(
+    one: tuple[list[ShipId], list[Verdict]] | None, other: tuple[list[ShipId], list[Verdict]]
+) -> bool:
+    """Whether two rings are of the same ships by the same rules."""
+    return one is not None and (one[0], [v.rule for v in one[1]]) == (other[0], [v.rule for v in other[1]])
 
 
 def ring(ruleset: WrittenRuleset, case: Case) -> tuple[list[ShipId], list[Verdict]] | None:

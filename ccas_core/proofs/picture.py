@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..frames import FloatArray
-from ..sim.chart import COLOURS
+from ..sim.chart import COLOURS, Label
+from ..sim.drawing import THIN, fill, settle
 from ..tapd.cases import CaseShip
 from .plain import USUAL_LENGTH, beam_of
 from .search import Ships
@@ -50,8 +51,7 @@ def picture(ships: Ships, title: str = "") -> Figure:
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.subplots()
     time, (low, high) = _frame(placed)
-    for number, ship in enumerate(placed):
-        _ship(axes, ship, COLOURS[number % len(COLOURS)], time)
+    labels = [_ship(axes, ship, COLOURS[n % len(COLOURS)], time) for n, ship in enumerate(placed)]
     axes.set(xlim=(low[1], high[1]), ylim=(low[0], high[0]), aspect="equal", facecolor="#F4F8FB")
     axes.set_xlabel(f"east [m]; arrows: the way of {time:.0f} s", fontsize=_SMALL)
     axes.set_ylabel("north [m]", fontsize=_SMALL)
@@ -65,6 +65,7 @@ def picture(ships: Ships, title: str = "") -> Figure:
         line for view in ships.verdicts for line in textwrap.wrap(_told(ships, view.own, view.other), 84)
     )
     figure.supxlabel(views, fontsize=_SMALL, x=0.02, ha="left")
+    settle(figure, [(axes, labels)])
     return figure
 
 
@@ -95,33 +96,18 @@ def _end(ship: CaseShip, time: float) -> FloatArray:
     return np.array([north + way * math.cos(course), east + way * math.sin(course)])
 
 
-def _ship(axes: Axes, ship: CaseShip, colour: str, time: float) -> None:
-    """Draw a hull with a bow, an arrow for its velocity, and its name."""
-    from matplotlib.patches import Polygon
-
+def _ship(axes: Axes, ship: CaseShip, colour: str, time: float) -> Label:
+    """Draw a hull with a bow, and an arrow for its velocity; the label names it."""
     assert ship.pose is not None  # noqa: S101
-    north, east, course = ship.pose
-    outline = _hull(ship)
-    axes.add_patch(Polygon(outline[:, ::-1], closed=True, facecolor=colour, edgecolor=colour, zorder=3.0))
-    axes.plot([east], [north], marker=".", markersize=3.0, color=colour, zorder=3.0)
-    end = _end(ship, time)
+    north, east, _ = ship.pose
+    fill(axes, _hull(ship), facecolor=colour, edgecolor=colour, linewidth=THIN, zorder=5.0)
+    way = np.linspace(0.0, 1.0, 12)[:, None] * (_end(ship, time) - [north, east]) + [north, east]
+    axes.plot(way[:-1, 1], way[:-1, 0], color=colour, linewidth=1.2, zorder=5.0)
     looks = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0}
-    axes.annotate("", (end[1], end[0]), (east, north), arrowprops=looks, zorder=2.0)
+    axes.annotate("", way[-1, ::-1].tolist(), way[-2, ::-1].tolist(), arrowprops=looks, zorder=5.0)
     length = float(ship.facts.get("length", USUAL_LENGTH))
-    aside = np.array([-math.cos(course), math.sin(course)])  # on paper, to port and up the page
-    way = 16.0 + 2.0 * abs(aside[0]) * 10.0
-    clear = float(np.abs((outline - [north, east]) @ [-math.sin(course), math.cos(course)]).max())
-    axes.annotate(
-        f"{ship.id}\n{ship.speed:g} m/s, {length:g} m",
-        (east + aside[0] * clear, north + aside[1] * clear),
-        (float(aside[0]) * way, float(aside[1]) * way),
-        textcoords="offset points",
-        ha="center",
-        va="center",
-        fontsize=_SMALL,
-        color=colour,
-        zorder=4.0,
-    )
+    text = f"{ship.id}, {length:g} m, {ship.speed:g} m/s"
+    return Label(text=text, north=north, east=east, colour=colour, keep=True)
 
 
 def _hull(ship: CaseShip) -> FloatArray:
