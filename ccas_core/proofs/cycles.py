@@ -1,17 +1,17 @@
 """Rings of ships that give way to one another: none for any number of ships, or ships that form one.
 
-Proof: a ranking.  Features of single ships, such as being small or upbound, are put in an order in which no ship ever
-gives way to one that comes later; where all features are equal, a number must decide: a fact, the speed, or, on a
-reach, the place along it.  A strict ranking leaves no ring, however many ships there are.
+Proof: a ranking.  Features of single ships, such as being small or upbound, are put in an order in which no
+ship ever gives way to one that comes later; where all features are equal, a number must decide: a fact, the
+speed, or, on a reach, the place along it.  A strict ranking leaves no ring, however many ships there are.
 
-Search: ships that meet near one point, by the shape of the junction (an open water, a reach, a T, four arms, three
-arms at 120 degrees), with facts alike and at random, judged by the rules as they run.
+Search: ships that meet near one point, by the shape of the junction (an open water, a reach, a T, four
+arms, three arms at 120 degrees), with facts alike and at random, judged by the rules as they run.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final
@@ -63,14 +63,18 @@ SHAPES: Final = (
 )
 
 
-def acyclic(ruleset: WrittenRuleset, budget: Budget, max_ships: int = 4, *, reach_only: bool = False) -> Finding:
+def acyclic(
+    ruleset: WrittenRuleset, budget: Budget, max_ships: int = 4, *, reach_only: bool = False
+) -> Finding:
     """Ships never give way to one another in a ring, however many they are.
 
-    `reach_only` asks for ships that follow one reach of a river: courses along its axis, upbound ships one way
-    and downbound ships the other.
+    `reach_only` asks for ships that follow one reach of a river: courses along its axis, upbound ships one
+    way and downbound ships the other.
     """
     tally = Tally()
-    shapes = [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
+    shapes = (
+        [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
+    )
     for shape in shapes:
         _search(tally, ruleset, shape, budget, max_ships)
     if tally.faults:
@@ -170,7 +174,9 @@ def _features(text: RulesetText, view: View) -> Iterator[tuple[str, tuple[Term, 
                     yield label, (view.term(here), view.swapped.term(here))
 
 
-_OF_PAIRS: Final = frozenset({"geometry", "overtaker", "has_other_on_starboard", "risk_of_collision", "rx", "ry"})
+_OF_PAIRS: Final = frozenset(
+    {"geometry", "overtaker", "has_other_on_starboard", "risk_of_collision", "rx", "ry"}
+)
 
 
 def _deciding_number(text: RulesetText, symbols: Symbols, never: Any, *, reach: bool) -> str | None:
@@ -191,7 +197,7 @@ def _deciding_number(text: RulesetText, symbols: Symbols, never: Any, *, reach: 
     return None
 
 
-def _behind(symbols: Symbols, never: Any) -> bool:
+def _behind(symbols: Symbols, never: Callable[..., bool]) -> bool:
     """Whether the ship that gives way sails the same way as the other, and is behind it."""
     way = {ship: symbols.sign(variable(f"{ship}.vx"), frozenset({1})) for ship in (A, B)}
     ahead = symbols.sign(variable(f"{B}.x"), frozenset({1}))
@@ -236,15 +242,13 @@ def _told(
     tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="cycle"))
 
 
-def _alike(
-    one: tuple[list[ShipId], list[Verdict]] | None, other: tuple[list[ShipId], list[Verdict]]
-) -> bool:
+def _alike(one: tuple[list[ShipId], list[Verdict]] | None, other: tuple[list[ShipId], list[Verdict]]) -> bool:
     """Whether two rings are of the same ships by the same rules."""
     return one is not None and (one[0], [v.rule for v in one[1]]) == (other[0], [v.rule for v in other[1]])
 
 
 def ring(ruleset: WrittenRuleset, case: Case) -> tuple[list[ShipId], list[Verdict]] | None:
-    """The shortest ring of ships that give way to one another, and their verdicts; None where there is none."""
+    """The shortest ring of ships that give way to one another, and their verdicts; None without one."""
     graph: nx.DiGraph[ShipId] = nx.DiGraph()
     views: dict[tuple[ShipId, ShipId], Verdict] = {}
     masses = {ship.id: float(ship.facts.get("weight", 1.0)) for ship in case.ships}
@@ -313,7 +317,12 @@ def _group(
 
 def _facts(rng: np.random.Generator, text: RulesetText, ships: Iterable[str], *, alike: bool) -> Facts:
     """Facts of a group: large motor ships that are all alike, or what the conditions look at, at random."""
-    asked = {name.partition(".")[2] for rule in text.rules for name in facts_of(rule.condition) if name[:4] in ("own.", "othe")}
+    asked = {
+        name.partition(".")[2]
+        for rule in text.rules
+        for name in facts_of(rule.condition)
+        if name[:4] in ("own.", "othe")
+    }
     waterway: dict[str, Any] = {}
     if rng.random() < 0.5:
         waterway |= {"type": "lake", "upstream_defined": False}
@@ -334,4 +343,3 @@ def _facts(rng: np.random.Generator, text: RulesetText, ships: Iterable[str], *,
                     facts[fact.name] = str(rng.choice(fact.choices))
         by_ship[ship] = facts
     return Facts(by_ship, waterway, {})
-

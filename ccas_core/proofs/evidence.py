@@ -87,7 +87,7 @@ def _written(
     fault: Fault,
     rulesets: tuple[WrittenRuleset, ...],
     stem: Path,
-    pictures: bool,  # noqa: FBT001
+    pictures: bool,
 ) -> Evidence:
     ships = fault.ships
     if ships is None:
@@ -115,7 +115,7 @@ def _written(
 
 
 def judges_of(ships: Ships, rulesets: tuple[WrittenRuleset, ...]) -> Mapping[ShipId, WrittenRuleset]:
-    """The ruleset by which each ship judges: by the id in its verdict; of two versions, own ship by the first."""
+    """The ruleset by which each ship judges: that of its verdict; of two versions, own ship by the first."""
     by_id = {ruleset.id: ruleset for ruleset in rulesets}
     own = ships.case.ships[0].id
     if len(by_id) == len(rulesets):

@@ -1,4 +1,4 @@
-"""A small picture of ships that show a fault: hulls to scale, where they are going, what each makes of the other."""
+"""A small picture of ships that show a fault: hulls to scale, where they go, what each makes of the other."""
 
 from __future__ import annotations
 

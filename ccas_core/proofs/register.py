@@ -1,7 +1,7 @@
-"""The register: one page of all faults found in some rulesets, with ships, pictures, and what is done about them.
+"""The register: one page of all faults found in some rulesets, with ships, pictures, and what is done.
 
-The page says by a digest which rulesets it was made from, and by another what it lists, so that a test can tell
-that it is stale without proving everything again.
+The page says by a digest which rulesets it was made from, and by another what it lists, so that a test can
+tell that it is stale without proving everything again.
 """
 
 from __future__ import annotations
@@ -39,9 +39,10 @@ def _page(told: Sequence[Told], folder: Path) -> Iterator[str]:
     yield "# Faults found in the regulations"
     yield ""
     yield (
-        "What `ccas check-consistency` finds in the rulesets as they are encoded: contradictions, gaps, rings of ships,\n"
-        "roles that change, and borders.  Each fault is shown by ships that the rules as they run have judged.  A *waiver*\n"
-        "says that the fault is in the law itself.  [How to read this](../check-consistency.md)."
+        "What `ccas check-consistency` finds in the rulesets as they are encoded: contradictions, gaps,\n"
+        "rings of ships, roles that change, and borders.  Each fault is shown by ships that the rules as they\n"
+        "run have judged.  A *waiver* says that the fault is in the law itself.\n"
+        "[How to read this](../check-consistency.md)."
     )
     yield ""
     yield "This page is made by `ccas check-consistency --register docs/findings`."
@@ -118,7 +119,8 @@ def _fault(entry: Entry, evidence: Evidence, folder: Path) -> Iterator[str]:
             yield f"- {duty_of(view)}"
     yield f"- {_done_about(fault)}"
     links = {"scenario": evidence.scenario, "encounter file": evidence.encounter}
-    yield f"- {', '.join(f'[{name}]({_inside(path, folder)})' for name, path in links.items() if path) or 'no ships'}"
+    written = [f"[{name}]({_inside(path, folder)})" for name, path in links.items() if path]
+    yield f"- {', '.join(written) or 'no ships'}"
     if evidence.picture is not None:
         yield ""
         yield f"![{fault.title.replace('[', '(').replace(']', ')')}]({_inside(evidence.picture, folder)})"
@@ -155,9 +157,9 @@ def sources_of(name: str, source: str) -> tuple[str, ...]:
 
 
 def digest_of(texts: Iterable[str]) -> str:
-    """Digest of what ruleset files say, without their tests, in which nothing is decided.
+    r"""Digest of what ruleset files say, without their tests, in which nothing is decided.
 
-    >>> digest_of(["id: a\\ntests:\\n  - name: x\\n"]) == digest_of(["id: a\\n"])
+    >>> digest_of(["id: a\ntests:\n  - name: x\n"]) == digest_of(["id: a\n"])
     True
     """
     return _digest(_TESTS.sub("", text) for text in texts)

@@ -1,7 +1,7 @@
 """Ships that show a fault as a scenario: each sails straight on, on a waterway through where it is.
 
-A scenario is kept only if the ships, on its chart, judge one another as they did without one: it is written, read
-back, and judged at its start.
+A scenario is kept only if the ships, on its chart, judge one another as they did without one: it is
+written, read back, and judged at its start.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ class _Lane:
 def scenario_of(ships: Ships, name: str, title: str = "", description: str = "") -> Scenario:
     """Lay waterways through the ships, one along the courses of those that are nearly parallel or opposite.
 
-    Each ship judges by the ruleset of its verdict; where there are two, a border lies half-way between the ships.
+    Each ship judges by the ruleset of its verdict; where there are two, a border lies half-way between the
+    ships.
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """Ships that show a fault: found by trying encounters on round numbers, judged by the code that runs at sea.
 
-Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how ships
-meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those that show
-the fault the one is kept that shows it with the widest margin: how far the other ship can be moved in
-any of eight directions before the fault is gone.
+Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how
+ships meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those
+that show the fault the one is kept that shows it with the widest margin: how far the other ship can be
+moved in any of eight directions before the fault is gone.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ class Ships:
     """An encounter that shows something, what both ships say of it, and its margin [m]."""
 
     case: Case
-    verdicts: tuple[Verdict, ...]  # views of A and of B; of a ring, of each ship on the one that it gives way to
+    verdicts: tuple[
+        Verdict, ...
+    ]  # views of A and of B; of a ring, of each ship on the one that it gives way to
     margin: float
 
 
@@ -119,7 +121,7 @@ def judged(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> tuple
 def meetings(
     rng: np.random.Generator, speeds: tuple[float, float], separation: float, count: int
 ) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Two ships that come near one another: head-on, overtaking, crossing, exactly parallel, or just anyhow."""
+    """Two ships that come near one another: head-on, overtaking, crossing, parallel, or just anyhow."""
     for n in range(count):
         kind = n % 6
         course = float(rng.integers(0, 360))
@@ -217,7 +219,7 @@ def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> b
 
 
 def margin(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal) -> float:
-    """How far ship B can be moved in any of eight directions before the goal is missed [m]; 0 if not at all."""
+    """How far ship B can be moved in any of eight directions, and the goal is still reached [m]."""
     found = 0.0
     for reach in _REACHES:
         for direction in range(8):

@@ -1,8 +1,8 @@
 """Questions to the solver: can these conditions hold together?  In stages, the cheap one first.
 
-1. With a variable for each monomial: linear arithmetic, which decides.  What cannot hold here cannot hold at all.
-2. As it is, by `z3.SimpleSolver`: its incremental core is a thousand times faster on such questions than the
-   strategy that `z3.Solver` would choose.
+1. With a variable for each monomial: linear arithmetic, which decides.  What cannot hold here cannot hold
+at all. 2. As it is, by `z3.SimpleSolver`: its incremental core is a thousand times faster on such questions
+than the strategy that `z3.Solver` would choose.
 
 A model is only a suggestion: a fault is told when ships have been found that show it (`search`).
 """

@@ -132,7 +132,7 @@ def _facts(facts: Mapping[str, Any], scope: Scope, vocabulary: Vocabulary) -> It
         yield _fact(fact, value)
 
 
-def _fact(fact: Fact, value: Any) -> str:  # noqa: ANN401
+def _fact(fact: Fact, value: Any) -> str:
     if isinstance(value, bool):
         return fact.name if value else f"not {fact.name}"
     if isinstance(value, int | float) and fact.quantity.unit:
@@ -146,7 +146,7 @@ def sights(ships: Ships, vocabulary: Vocabulary = VOCABULARY) -> tuple[str, ...]
     return tuple(line for one, other in pairs for line in _sight(ships.case, one, other, vocabulary))
 
 
-def _sight(case: Case, one: Any, other: Any, vocabulary: Vocabulary) -> Iterator[str]:  # noqa: ANN401
+def _sight(case: Case, one: Any, other: Any, vocabulary: Vocabulary) -> Iterator[str]:
     facts = pair_facts(case, one, other, vocabulary)
     if not facts.moving:
         return
@@ -197,14 +197,14 @@ def view_lines(view: Verdict) -> tuple[str, ...]:
 def duty_of(view: Verdict) -> str:
     """Say in a few words what a ship takes its duty to be, and by which article.
 
-    >>> duty_of(Verdict(own="A", other="B", kind=Kind.STAND_ON, ruleset="r", version="1"))  # type: ignore[arg-type]
-    'A stands on towards B'
+    >>> duty_of(Verdict(own="A", other="B", kind=Kind.STAND_ON, ruleset="r", version="1"))  # type:
+    ignore[arg-type] 'A stands on towards B'
     """
     role = _ROLES[view.kind].format(other=view.other, initiator=view.initiator)
     return f"{view.own} {role}" + (f" ({view.article})" if view.article else "")
 
 
-def _seen(name: str, value: Any, view: Verdict) -> str:  # noqa: ANN401
+def _seen(name: str, value: Any, view: Verdict) -> str:
     """A fact that a rule looked at, with the names of the ships.
 
     >>> view = Verdict(own="A", other="B", kind=Kind.NONE, ruleset="r", version="1")  # type: ignore[arg-type]
@@ -225,7 +225,7 @@ def _seen(name: str, value: Any, view: Verdict) -> str:  # noqa: ANN401
     return f"{name} {_value(value)}{unit}"
 
 
-def _value(value: Any) -> str:  # noqa: ANN401
+def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.4g}" if isinstance(value, float) else str(getattr(value, "value", value))

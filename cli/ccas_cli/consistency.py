@@ -18,8 +18,8 @@ from .exits import Code
 
 if TYPE_CHECKING:
     from ccas_core.plugins import Plugins
-    from ccas_core.proofs.findings import Finding
     from ccas_core.proofs.evidence import Entry
+    from ccas_core.proofs.findings import Finding
     from ccas_core.tapd.written import WrittenRuleset
 
 Rulesets: TypeAlias = "tuple[WrittenRuleset, ...]"
@@ -101,10 +101,10 @@ def check_consistency(
 ) -> None:
     """Prove, for all ships of a ruleset's domain, that its verdicts fit together, or show ships where not.
 
-    Each property is proved, refuted by ships that the rules as they run have judged, or undecided. The ships are
-    written as scenarios, which `ccas simulate` sails, as encounter files, which `ccas test` reads, and as
-    pictures. A waiver in the ruleset file covers a fault of the law itself until its day. Ctrl-C shows what is
-    known by then. Exit code 0 if all that is refuted is waived, 1 if not, 3 if something is undecided.
+    Each property is proved, refuted by ships that the rules as they run have judged, or undecided. The ships
+    are written as scenarios, which `ccas simulate` sails, as encounter files, which `ccas test` reads, and as
+    pictures. A waiver in the ruleset file covers a fault of the law itself until its day. Ctrl-C shows what
+    is known by then. Exit code 0 if all that is refuted is waived, 1 if not, 3 if something is undecided.
 
     Example:
         ccas check-consistency bpr

@@ -10,7 +10,6 @@ from . import talk
 if TYPE_CHECKING:
     from ccas_core.proofs.evidence import Entry, Evidence
     from ccas_core.proofs.findings import Fault, Finding
-    from ccas_core.proofs.evidence import Entry
     from ccas_core.tapd.rules import Waiver
 
 
