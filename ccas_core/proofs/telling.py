@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from ..errors import Diagnostic
+from ..ships import ShipId
 from ..tapd.case_run import pair_facts
 from ..tapd.cases import Case, CaseShip
 from ..tapd.language.formula import Before, Known, Same, Sign, Test, walk
@@ -146,7 +147,7 @@ def sights(ships: Ships, vocabulary: Vocabulary = VOCABULARY) -> tuple[str, ...]
     return tuple(line for one, other in pairs for line in _sight(ships.case, one, other, vocabulary))
 
 
-def _sight(case: Case, one: Any, other: Any, vocabulary: Vocabulary) -> Iterator[str]:
+def _sight(case: Case, one: ShipId, other: ShipId, vocabulary: Vocabulary) -> Iterator[str]:
     facts = pair_facts(case, one, other, vocabulary)
     if not facts.moving:
         return
@@ -197,8 +198,8 @@ def view_lines(view: Verdict) -> tuple[str, ...]:
 def duty_of(view: Verdict) -> str:
     """Say in a few words what a ship takes its duty to be, and by which article.
 
-    >>> duty_of(Verdict(own="A", other="B", kind=Kind.STAND_ON, ruleset="r", version="1"))  # type:
-    ignore[arg-type] 'A stands on towards B'
+    >>> duty_of(Verdict(own=ShipId("A"), other=ShipId("B"), kind=Kind.STAND_ON, ruleset="r", version="1"))
+    'A stands on towards B'
     """
     role = _ROLES[view.kind].format(other=view.other, initiator=view.initiator)
     return f"{view.own} {role}" + (f" ({view.article})" if view.article else "")
@@ -207,7 +208,7 @@ def duty_of(view: Verdict) -> str:
 def _seen(name: str, value: Any, view: Verdict) -> str:
     """A fact that a rule looked at, with the names of the ships.
 
-    >>> view = Verdict(own="A", other="B", kind=Kind.NONE, ruleset="r", version="1")  # type: ignore[arg-type]
+    >>> view = Verdict(own=ShipId("A"), other=ShipId("B"), kind=Kind.NONE, ruleset="r", version="1")
     >>> _seen("own.speed_mps", 3.0, view), _seen("bearing(other, own)_deg", -12.0, view)
     ('A.speed 3 m/s', 'bearing(B, A) -12 deg')
     >>> _seen("other.ferry", False, view)
