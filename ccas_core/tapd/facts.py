@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from ..ships import UNKNOWN, FactValue, ShipId
-from ..units import DEGREE, wrap
 from ..waterway import Towards, Waters, Waterway
 from ..world import ShipReport
 from .encounters import NO_ENCOUNTER, Encounter
@@ -147,7 +146,8 @@ def _plain(value: Any) -> Any:
 
 def _turn(a: tuple[float, float], b: tuple[float, float]) -> float:
     """Angle from one vector to another, clockwise, (-pi, pi]; 0 where one of them is zero."""
-    return math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+    across, along = a[0] * b[1] - a[1] * b[0] + 0.0, a[0] * b[0] + a[1] * b[1]  # no -0.0: astern is +pi
+    return math.atan2(across, along) if across or along else 0.0
 
 
 def closest_approach(rx: float, ry: float, wx: float, wy: float) -> tuple[float, float]:
@@ -350,15 +350,6 @@ def velocity(course: float, speed: float) -> tuple[float, float]:
 
 def _on_grid(value: float) -> float:
     return round(value / GRID) * GRID + 0.0
-
-
-def relative_bearing(own: tuple[float, float, float], other: tuple[float, float]) -> float:
-    """Bearing of a position from own pose (north, east, course), clockwise, (-pi, pi]: starboard positive.
-
-    >>> round(relative_bearing((0.0, 0.0, 0.0), (0.0, 10.0)) / DEGREE)
-    90
-    """
-    return wrap(math.atan2(other[1] - own[1], other[0] - own[0]) - own[2])
 
 
 def direction(waterway: Waterway, towards: Towards) -> str:
