@@ -225,6 +225,22 @@ def walk(formula: Formula) -> Iterator[Formula]:
             yield from walk(part)
 
 
+def is_too_large(formula: Formula, parts: int, nesting: int) -> bool:
+    """Whether a formula has more parts than this, or deeper ones; what is shared counts each time."""
+    left = [(formula, 1)]
+    count = 0
+    while left:
+        part, depth = left.pop()
+        count += 1
+        if count > parts or depth > nesting:
+            return True
+        if isinstance(part, Not | Named):
+            left.append((part.part, depth + 1))
+        elif isinstance(part, And | Or):
+            left += [(each, depth + 1) for each in part.parts]
+    return False
+
+
 def facts_of(formula: Formula) -> frozenset[str]:
     """Names of all facts and variables that a formula looks at."""
     found: set[str] = set()
