@@ -1,7 +1,7 @@
 """How well tests cover a ruleset: rules that no case reaches, and faults that no case would notice.
 
-A mutant is the ruleset with one rule dropped, or with its condition turned round.  A mutant under which all cases
-still pass survives: nothing that the tests say depends on that rule.
+A mutant is the ruleset with one rule dropped, or with its condition turned round.  A mutant under which all
+cases still pass survives: nothing that the tests say depends on that rule.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the author of a ruleset may have overlooked, found without a solver; each finding has a code and a page."""
+"""What the author of a ruleset may have overlooked, found without a solver; each finding has a code."""
 
 from __future__ import annotations
 

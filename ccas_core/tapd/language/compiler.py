@@ -36,7 +36,16 @@ from .polynomial import Polynomial, number, variable
 from .syntax import Fault, Span
 from .terms import SHIP_MOTIONS, Amount, Chosen, Literal, Moving, Ship, Value, kind_of, measure_of, shown
 
-__all__ = ["DIMENSIONS", "FUNCTIONS", "UNITS", "Compiler", "Definition", "Dimensions", "Parameter"]
+__all__ = [
+    "BUILT_IN",
+    "DIMENSIONS",
+    "FUNCTIONS",
+    "UNITS",
+    "Compiler",
+    "Definition",
+    "Dimensions",
+    "Parameter",
+]
 
 FUNCTIONS: Final = ("abs", "bearing", "from_starboard", "known")
 MAX_PARTS: Final = 10_000  # of a condition, with its definitions written out
@@ -46,6 +55,7 @@ MAX_FACTORS: Final = 4  # quantities multiplied with one another
 _BEYOND_MEASURE: Final = 10**99
 _PAIR_MOTIONS: Final = ("tcpa", "dcpa", "distance", "course_difference")
 _SHIPS: Final = ("own", "other")
+BUILT_IN: Final = (*FUNCTIONS, *_PAIR_MOTIONS, *SHIP_MOTIONS, *_SHIPS, "closing", "waterway", "regime")
 
 
 @dataclass(frozen=True, slots=True)

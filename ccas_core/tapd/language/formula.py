@@ -15,7 +15,6 @@ from typing import Final, TypeAlias
 from .polynomial import Polynomial, canonical, mirrored_name
 
 SHIP_VALUES: Final = {"own": "other", "other": "own"}  # values of facts that name a ship of the pair
-NAMES_A_SHIP: Final = frozenset({"overtaker", "has_other_on_starboard"})
 NEGATIVE, ZERO, POSITIVE = -1, 0, 1
 _SHIP_WORD: Final = re.compile(r"\b(?:own|other)\b")
 
@@ -163,7 +162,7 @@ def mirrored(formula: Formula) -> Formula:
     """The same formula with the two ships swapped."""
     if isinstance(formula, Test):
         value = formula.value
-        if formula.fact in NAMES_A_SHIP and isinstance(value, str):
+        if "." not in formula.fact and isinstance(value, str):  # a fact of the pair may name a ship
             value = SHIP_VALUES.get(value, value)
         return Test(mirrored_name(formula.fact), value)
     if isinstance(formula, Same):
