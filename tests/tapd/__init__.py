@@ -14,12 +14,14 @@ import numpy as np
 from ccas_core.frames import FloatArray, NedPose
 from ccas_core.plugins import load
 from ccas_core.ships import FactValue, Hull, Ship, ShipId
+from ccas_core.tapd.case_run import pair_facts
+from ccas_core.tapd.cases import Case, CaseShip
 from ccas_core.tapd.encounters import NO_ENCOUNTER, Encounter
 from ccas_core.tapd.facts import PairFacts, assess
 from ccas_core.tapd.language.code import MOTION, program
 from ccas_core.tapd.language.compiler import Compiler
 from ccas_core.tapd.ruleset import Situation
-from ccas_core.tapd.vocabulary import VOCABULARY, Scope
+from ccas_core.tapd.vocabulary import VOCABULARY, Scope, Vocabulary
 from ccas_core.tapd.written import WrittenRuleset
 from ccas_core.units import DEGREE, wrap
 from ccas_core.verdict import Kind, Verdict
@@ -253,3 +255,29 @@ def random_encounter(generator: np.random.Generator, *, flags: bool = True) -> M
 
 
 _CHARTS = tuple(waters(angle) for angle in (30.0, 50.0, 70.0, 90.0, 110.0, 130.0, 150.0))
+
+
+Placed: TypeAlias = tuple[float, float, float, float]  # north, east [m], course [deg], speed [m/s]
+
+
+def stated(
+    own: Mapping[str, Any] | None = None,
+    other: Mapping[str, Any] | None = None,
+    *,
+    waterway: Mapping[str, Any] | None = None,
+    encounter: Mapping[str, Any] | None = None,
+    at: tuple[Placed, Placed] | None = None,
+    vocabulary: Vocabulary = VOCABULARY,
+) -> PairFacts:
+    """Facts of ships a and b, as a file states them; of the encounter, ships by their ids."""
+    ships = tuple(
+        CaseShip(
+            id=id_,
+            facts=facts or {},
+            pose=None if place is None else (place[0], place[1], place[2] * DEGREE),
+            speed=None if place is None else place[3],
+        )
+        for id_, facts, place in zip((A, B), (own, other), at or (None, None), strict=True)
+    )
+    case = Case(id="case", ships=ships, waterway=waterway or {}, encounter=encounter or {})
+    return pair_facts(case, A, B, vocabulary)

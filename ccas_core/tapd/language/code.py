@@ -40,7 +40,9 @@ _EXACT_DIFFERENCES: Final = {
     "wx": ("tvx", "ovx"),
     "wy": ("tvy", "ovy"),
 }
+_ON_GRID: Final = frozenset(MOTION[:8])  # a product of these is zero only if one of them is
 _ROUNDING: Final = 2.0**-53
+_SMALLEST: Final = 1e-290  # more than all that is lost where products are too small for a float
 
 Values: TypeAlias = Sequence[Any]
 Decision: TypeAlias = Callable[[Values, Values, Values, Values, Values, list[Any]], bool]
@@ -251,6 +253,7 @@ class _Writer:
         values = ", ".join(
             f"{raw!r}: {self._place(raw)}" for name in names for raw in _EXACT_DIFFERENCES.get(name, (name,))
         )
+        on_grid = polynomial.variables <= _ON_GRID
         sizes = " + ".join(f"abs(a{n})" for n in range(len(terms)))
         self.lines += [
             f"def s{number}(o, t, w, p, k, m):",
@@ -259,10 +262,10 @@ class _Writer:
             *(f"    {local[name]} = {self._place(name)}" for name in names),
             *(f"    a{n} = {term}" for n, term in enumerate(terms)),
             f"    total = {' + '.join(f'a{n}' for n in range(len(terms)))}",
-            f"    bound = {rounding_bound(polynomial)!r} * ({sizes})",
+            f"    bound = {rounding_bound(polynomial)!r} * ({sizes}){'' if on_grid else f' + {_SMALLEST!r}'}",
             "    if total > bound: v = 1",
             "    elif total < -bound: v = -1",
-            "    elif bound == 0.0: v = 0",  # every term is zero, and none is too small for a float
+            *(["    elif bound == 0.0: v = 0"] if on_grid else []),  # no term is too small for a float
             f"    else: v = exact(P[{number}], {{{values}}})",
             f"    m[{slot}] = v",
             "    return v",

@@ -78,6 +78,10 @@ class Definition:
     text: str
 
 
+class _EntangledError(Fault):
+    """A fault of definitions that ask for one another: each of them has it."""
+
+
 @dataclass(slots=True)
 class Compiler:
     """Compiles conditions of one ruleset.
@@ -125,10 +129,11 @@ class Compiler:
         if name in self.broken:
             return FALSE  # told where it stands
         if len(self._open) > MAX_DEFINITIONS_OPEN:
-            raise Fault(span, f"definitions that ask for one another, more than {MAX_DEFINITIONS_OPEN} deep")
+            message = f"definitions that ask for one another, more than {MAX_DEFINITIONS_OPEN} deep"
+            raise _EntangledError(span, message, hint="put those that are asked for first")
         if name in self._open:
             ring = " -> ".join([*self._open[self._open.index(name) :], name])
-            raise Fault(span, f"'{name}' is defined by itself: {ring}")
+            raise _EntangledError(span, f"'{name}' is defined by itself: {ring}")
         key = name, ships
         if key not in self._made:
             definition = self.definitions[name]
@@ -136,11 +141,11 @@ class Compiler:
             try:
                 names = _bound(definition.ships, ships or _SHIPS)
                 self._made[key] = self.compiled(definition.expression, definition.text, names)
-            except Fault as fault:
-                if "is defined by itself" in fault.message:
-                    raise Fault(span, fault.message) from None
+            except _EntangledError as fault:
+                raise _EntangledError(span, fault.message, hint=fault.hint) from None
+            except Fault:
                 self.broken.add(name)
-                return FALSE
+                return FALSE  # it is told when the definition itself is compiled
             finally:
                 self._open.pop()
         label = f"{name}({', '.join(ships)})" if ships else name
