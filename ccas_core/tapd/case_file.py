@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from ..errors import Diagnostic, RulesetError
 from ..findings import read_text
-from ..quantities import ANGLE, LENGTH, SPEED, Range
+from ..quantities import ANGLE, LENGTH, SPEED, TIME, Range
 from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
 from ..strict_yaml import Reader
@@ -152,6 +152,7 @@ class _CaseReader:
             waterway=waterway,
             encounter=encounter,
             expected={ruleset: expected},
+            strict=True,
             source=reader.source,
             line=node.line,
         )
@@ -289,6 +290,11 @@ class _CaseReader:
                 found[name] = _maybe(named, lambda each: self._expectations.ship(each, ids))
         if (windward := block.find("windward")) is not None:
             found["windward"] = self._expectations.ship(windward, ids)
+        times = block.find("time_to_intersection" if self._in_units else "time_to_intersection_s")
+        if times is not None:
+            found["time_to_intersection"] = {
+                ShipId(self._expectations.ship(key, ids)): self._time(value) for key, value in reader.entries(times)
+            }
         if isinstance(node, Keys) and not self._in_units:
             for key, value in node.entries:
                 if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
@@ -300,6 +306,9 @@ class _CaseReader:
             found.setdefault("has_other_on_starboard", "none")
         block.done()
         return found
+
+    def _time(self, node: Node) -> float:
+        return self._reader.number(node, TIME) if self._in_units else self._bare(node)
 
 
 def read_fact(reader: Reader, node: Node, fact: Fact, *, in_units: bool) -> Any:

@@ -22,6 +22,7 @@ from .language.formula import FALSE, Formula, all_of, any_of, facts_of, negated
 from .python_rules import PythonRule
 from .ranking import RankingCriterion
 from .rules import (
+    Claim,
     DEFAULT_ORDER,
     Criterion,
     Domain,
@@ -212,6 +213,7 @@ class _Weaver:
             resolve_by=resolve_by,
             domain=domain,
             waivers=waivers,
+            claims=self._claims(),
             tests=last.tests,
             source=last.path,
             lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
@@ -282,14 +284,11 @@ class _Weaver:
         )
 
     def _gates(self) -> list[tuple[Draft, Gate]]:
-        gates = []
-        seen: dict[str, Draft] = {}
+        gates: list[tuple[Draft, Gate]] = []
         ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
-                if gate.id in seen:
-                    gate.reader.refuse(gate.node, f"a second gate '{gate.id}'", hint="rename one")
-                seen[gate.id] = draft
+                gates = [each for each in gates if each[1].id != gate.id]  # one of a base, which this replaces
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
@@ -383,6 +382,19 @@ class _Weaver:
                     )
             return tuple(order for order, _ in draft.resolve_by)
         return DEFAULT_ORDER
+
+    def _claims(self) -> tuple[Claim, ...]:
+        return tuple(
+            Claim(
+                name=claim.name,
+                check=claim.check,
+                assume=tuple(self._formula(each) for each in claim.assume),
+                texts=tuple(each.text for each in claim.assume),
+                on_a_reach=claim.on_a_reach,
+                source=self._source(claim.reader, claim.node),
+            )
+            for claim in self.drafts[-1].claims
+        )
 
     def _waivers(self, rules: Iterable[Rule]) -> tuple[Waiver, ...]:
         ids = [rule.id for rule in rules]

@@ -203,6 +203,10 @@ class WrittenRuleset(PairRuleset):
     def _decisions(self) -> tuple[Decision, ...]:
         return self._program.decisions[len(conditions_of(self.text.recognition)) :]
 
+    def with_text(self, text: RulesetText) -> WrittenRuleset:
+        """The same ruleset with another text, and the same rules in Python and criteria."""
+        return WrittenRuleset(text, self._python, self._criteria)
+
     def mutated(self, index: int, *, negated: bool) -> WrittenRuleset:
         """The same ruleset with one fault: a rule's condition turned round, or the rule left out."""
         mutant = WrittenRuleset(self.text, self._python, self._criteria)
