@@ -108,8 +108,8 @@ class Plugins:
         Raises
         ------
         RulesetError
-            If no plugin that works offers it, with the name that comes nearest; or with all that is wrong in its
-            file.
+            If no plugin that works offers it, with the name that comes nearest; or with all that is wrong
+            in its file.
         """
         if name in self.rulesets:
             return self.rulesets[name]
@@ -153,8 +153,8 @@ def load(
 ) -> Plugins:
     """Load plugins from entry points (those installed, unless given) and collect what they offer.
 
-    `trace`, if given, is called with a line for every hook call, saying who answered what.  Ruleset files are read
-    when a ruleset is first asked for.
+    `trace`, if given, is called with a line for every hook call, saying who answered what.  Ruleset files
+    are read when a ruleset is first asked for.
     """
     points = importlib.metadata.entry_points(group=GROUP) if entry_points is None else entry_points
     loaded: list[_Loaded] = []

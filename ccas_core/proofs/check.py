@@ -11,9 +11,9 @@ from typing import Final, Protocol
 from ..errors import Diagnostic, RulesetError
 from ..tapd.language import syntax
 from ..tapd.language.compiler import Compiler
-from ..tapd.rules import Waiver
+from ..tapd.rules import Claim, Waiver
 from ..tapd.written import WrittenRuleset
-from . import borders, cycles, pairs, roles
+from . import borders, claims, cycles, pairs, roles
 from .findings import Fault, Finding, Outcome
 from .questions import Questions
 from .solver import Budget
@@ -78,7 +78,6 @@ PROPERTIES: Final = (
     Property("acyclic", lambda task: cycles.acyclic(task.ruleset, task.budget, task.max_ships)),
     Property("parameters", lambda task: pairs.parameters(task.ruleset, task.budget)),
 )
-NAMES: Final = tuple(each.name for each in PROPERTIES)
 
 
 def check(
@@ -110,7 +109,7 @@ def check(
     watch = progress or Silence()
     task = Task(ruleset, Budget(budget_s), max_ships)
     found = []
-    for each in PROPERTIES:
+    for each in (*PROPERTIES, *map(_claim, ruleset.text.claims)):
         if only and each.name not in only:
             continue
         watch.begun(ruleset.id, each.name)
@@ -120,6 +119,15 @@ def check(
             watch.done(ruleset.id, finding)
             found.append(finding)
     return tuple(found)
+
+
+def names_of(ruleset: WrittenRuleset) -> tuple[str, ...]:
+    """Names of the properties of a ruleset, and of what it claims of some ships only."""
+    return (*(each.name for each in PROPERTIES), *(claim.name for claim in ruleset.text.claims))
+
+
+def _claim(claim: Claim) -> Property:
+    return Property(claim.name, lambda task: claims.claimed(task.ruleset, claim, task.budget, task.max_ships))
 
 
 def check_against(
@@ -195,7 +203,7 @@ def overall(findings: Iterable[Finding]) -> Outcome:
     return Outcome.PROVED
 
 
-def assuming(ruleset: WrittenRuleset, condition: str) -> WrittenRuleset:
+def narrowed(ruleset: WrittenRuleset, condition: str) -> WrittenRuleset:
     """The same ruleset, meant only for ships of which a condition holds, as (own, other) and swapped.
 
     Raises
@@ -225,5 +233,4 @@ def assuming(ruleset: WrittenRuleset, condition: str) -> WrittenRuleset:
             width=max(1, fault.span.end - fault.span.begin),
         )
         raise RulesetError(told) from None
-    domain = replace(text.domain, assume=(*text.domain.assume, formula))
-    return ruleset.with_text(replace(text, domain=domain, tangents=compiler.tangents))
+    return claims.assuming(ruleset.with_text(replace(text, tangents=compiler.tangents)), formula)

@@ -72,14 +72,14 @@ def acyclic(
     way and downbound ships the other.
     """
     tally = Tally()
-    shapes = (
-        [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
-    )
+    shapes: Sequence[Shape] = SHAPES
+    if reach_only:
+        shapes = [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"]
     for shape in shapes:
         _search(tally, ruleset, shape, budget, max_ships)
     if tally.faults:
         return tally.finding("acyclic")
-    for reach in (False, True):
+    for reach in (True,) if reach_only else (False, True):
         ranking = _ranking(ruleset, budget, reach=reach)
         if ranking is None:
             tally.notes.append(f"no ranking was found for {'a reach' if reach else 'any water'}")
@@ -114,7 +114,8 @@ def _ranking(ruleset: WrittenRuleset, budget: Budget, *, reach: bool) -> list[st
 
     def never_at_all(*terms: Term) -> bool:
         asked = [*given, *terms, *bounds_of(text, symbols)]
-        return never(*terms) or ask_nonlinear(symbols, asked, budget, NONLINEAR_LIMIT).impossible
+        limit = NONLINEAR_LIMIT if reach else NONLINEAR_LIMIT / 4.0
+        return never(*terms) or ask_nonlinear(symbols, asked, budget, limit).impossible
 
     if never():
         return ["no ship ever gives way"]
@@ -182,8 +183,9 @@ _OF_PAIRS: Final = frozenset(
 def _deciding_number(text: RulesetText, symbols: Symbols, never: Any, *, reach: bool) -> str | None:
     """A number that the ship that gives way has greater, or less, than the other, strictly."""
     amounts: dict[str, tuple[Polynomial, Polynomial]] = {}
+    asked = {name for atom in symbols.atoms for name in atom.variables}
     for fact in text.vocabulary.by_scope[Scope.SHIP]:
-        if fact.kind is FactKind.NUMBER:
+        if fact.kind is FactKind.NUMBER and f"{A}.{fact.name}" in asked:
             amounts[fact.name] = (variable(f"{A}.{fact.name}"), variable(f"{B}.{fact.name}"))
     velocities = {ship: (variable(f"{ship}.vx"), variable(f"{ship}.vy")) for ship in (A, B)}
     amounts["speed"] = (dot(velocities[A], velocities[A]), dot(velocities[B], velocities[B]))

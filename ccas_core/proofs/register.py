@@ -40,8 +40,8 @@ def _page(told: Sequence[Told], folder: Path) -> Iterator[str]:
     yield ""
     yield (
         "What `ccas check-consistency` finds in the rulesets as they are encoded: contradictions, gaps,\n"
-        "rings of ships, roles that change, and borders.  Each fault is shown by ships that the rules as they\n"
-        "run have judged.  A *waiver* says that the fault is in the law itself.\n"
+        "rings of ships, roles that change, and borders.  Each fault is shown by ships that the rules as\n"
+        "they run have judged.  A *waiver* says that the fault is in the law itself.\n"
         "[How to read this](../check-consistency.md)."
     )
     yield ""

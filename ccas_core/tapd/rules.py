@@ -146,6 +146,18 @@ class Waiver:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """A property that is claimed of some ships only: those for which further conditions hold."""
+
+    name: str
+    check: str
+    assume: tuple[Formula, ...]
+    texts: tuple[str, ...]
+    on_a_reach: bool  # of ships that follow one reach of a river
+    source: Source
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Domain:
     """For which ships and distances a ruleset is meant: proofs and their counterexamples stay in it [SI]."""
 
@@ -200,6 +212,7 @@ class RulesetText:
     resolve_by: tuple[Order, ...]
     domain: Domain
     waivers: tuple[Waiver, ...]
+    claims: tuple[Claim, ...]
     tests: tuple[Case, ...]
     source: str  # path of the file
     lint: Callable[[], tuple[Diagnostic, ...]] = tuple

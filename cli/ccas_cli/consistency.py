@@ -112,20 +112,20 @@ def check_consistency(
         ccas check-consistency --border bpr ccnr
     """
     plugins = inputs.load_plugins(context)
-    wanted = Wanted(
-        budget=budget,
-        max_ships=max_ships,
-        properties=_known(properties or ()),
-        out=register or out,
-        pictures=not no_pictures,
-    )
     names = list(rulesets or (_shipped(plugins) if register else ()))
     if not names and border is None:
         hint = "`ccas rulesets` lists them"
         raise InputError(
             Diagnostic(source="RULESET", message="nothing to check", expected="a ruleset", hint=hint)
         )
-    chosen = [(name, _assuming(_written(plugins, name), assume or ())) for name in dict.fromkeys(names)]
+    chosen = [(name, _narrowed(_written(plugins, name), assume or ())) for name in dict.fromkeys(names)]
+    wanted = Wanted(
+        budget=budget,
+        max_ships=max_ships,
+        properties=_known(properties or (), [each for _, each in chosen]),
+        out=register or out,
+        pictures=not no_pictures,
+    )
     old = None if against is None else _written(plugins, against)
     pair = None if border is None else (_written(plugins, border[0]), _written(plugins, border[1]))
     entries, interrupted = _looked(chosen, old, pair, wanted, quiet=as_json)
@@ -148,14 +148,15 @@ def _leave(findings: Sequence[Finding]) -> None:
 # -- what is asked for ---------------------------------------------------------------------------
 
 
-def _known(properties: Sequence[str]) -> tuple[str, ...]:
-    from ccas_core.proofs.check import NAMES
+def _known(properties: Sequence[str], rulesets: Sequence[WrittenRuleset]) -> tuple[str, ...]:
+    from ccas_core.proofs.check import names_of
 
+    names = {name for ruleset in rulesets for name in names_of(ruleset)}
     found = []
     for name in properties:
         plain = name.replace("-", "_")
-        if plain not in NAMES:
-            hint = did_you_mean(plain, NAMES)
+        if plain not in names:
+            hint = did_you_mean(plain, names)
             raise InputError(Diagnostic(source="--property", message=f"unknown property '{name}'", hint=hint))
         found.append(plain)
     return tuple(found)
@@ -172,11 +173,11 @@ def _written(plugins: Plugins, name: str) -> WrittenRuleset:
     return ruleset
 
 
-def _assuming(ruleset: WrittenRuleset, conditions: Sequence[str]) -> WrittenRuleset:
-    from ccas_core.proofs.check import assuming
+def _narrowed(ruleset: WrittenRuleset, conditions: Sequence[str]) -> WrittenRuleset:
+    from ccas_core.proofs.check import narrowed
 
     for condition in conditions:
-        ruleset = assuming(ruleset, condition)
+        ruleset = narrowed(ruleset, condition)
     return ruleset
 
 
