@@ -203,6 +203,10 @@ class WrittenRuleset(PairRuleset):
     def _decisions(self) -> tuple[Decision, ...]:
         return self._program.decisions[len(conditions_of(self.text.recognition)) :]
 
+    def python_rule(self, name: str) -> PythonRule:
+        """Rule in Python by its name; `KeyError` where there is none."""
+        return self._python[name]
+
     def with_text(self, text: RulesetText) -> WrittenRuleset:
         """The same ruleset with another text, and the same rules in Python and criteria."""
         return WrittenRuleset(text, self._python, self._criteria)
