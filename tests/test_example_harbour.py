@@ -160,8 +160,16 @@ def test_installed_sample_is_listed_by_the_program(installed: Path) -> None:
     )
 
 
+def test_tests_of_the_by_law_are_run_by_the_program(installed: Path) -> None:
+    pytest.importorskip("ccas_cli.test")
+
+    found = json.loads(ccas(installed, "test", "harbour", "--json"))
+
+    assert (found["passed"], found["failed"]) == (7, 0)
+
+
 def test_its_rules_are_explained_by_the_program(installed: Path, scenario: Path) -> None:
-    (pair,) = json.loads(ccas(installed, "explain", scenario, "--json"))["pairs"]
+    (pair,) = json.loads(ccas(installed, "explain", scenario, "--json"))
 
     assert [view["kind"] for view in pair["verdicts"].values()] == ["give_way", "stand_on"]
     assert {view["rule"] for view in pair["verdicts"].values()} == {"harbour.tug"}

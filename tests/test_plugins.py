@@ -366,7 +366,7 @@ def test_plugin_that_ends_the_program_at_import_does_not() -> None:
 
 def test_plugin_for_another_version_of_the_hooks_is_told_so_whatever_else_is_wrong() -> None:
     info = PluginInfo(name="p", version="1", api=2)
-    newer = SimpleNamespace(ccas_plugin_info=hookimpl(lambda: info), ccas_weather=hookimpl(list))
+    newer = SimpleNamespace(ccas_plugin_info=hookimpl(lambda: info), ccas_weather=hookimpl(lambda: ()))
 
     found = plugins.load([Point("bad", lambda: newer)])
 

@@ -6,10 +6,14 @@ verdict of `conflict`, so that the safe mutual rule applies and the log says why
 
 from __future__ import annotations
 
+from typing import Final
+
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .encounters import Encounter, remember
 from .ruleset import AbstractRuleset, Pair, Situation
+
+FAILED: Final = "the ruleset failed: "  # begins the reason of a verdict that stands for what a ruleset raised
 
 
 def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
@@ -33,7 +37,7 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
             kind=Kind.CONFLICT,
             ruleset=ruleset.id,
             version=ruleset.version,
-            reason=f"the ruleset failed: {type(error).__name__}: {error}",
+            reason=f"{FAILED}{type(error).__name__}: {error}",
         )
     if verdict is not None:
         return verdict

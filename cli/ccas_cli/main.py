@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
+from . import bench, check, explain, graph, inputs, plugins, reproduce, rulesets, scenarios, simulate
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
@@ -42,6 +42,13 @@ def ccas(
     trace_hooks: Annotated[
         bool, typer.Option("--trace-hooks", help="Say on stderr which plugin answered which hook with what.")
     ] = False,
+    no_plugins: Annotated[
+        bool,
+        typer.Option(
+            "--no-plugins",
+            help="Load none but those that come with ccas. CCAS_PLUGINS=a,b loads just these besides.",
+        ),
+    ] = False,
     version: Annotated[  # noqa: ARG001 - its callback does it
         bool,
         typer.Option("--version", help="Show the version and exit.", callback=_show_version, is_eager=True),
@@ -57,7 +64,7 @@ def ccas(
         ccas simulate tran2026/fig_12 --out runs/fig_12
         ccas explain tran2026/fig_12
     """
-    context.obj = trace_hooks
+    context.obj = inputs.Wanted(trace=trace_hooks, none=no_plugins)
 
 
 def _manual(command: Callable[..., None]) -> str:

@@ -1,4 +1,4 @@
-"""A sample plugin: the by-law of a harbour on top of the BPR, with a fact, a rule in Python and an observer."""
+"""A sample plugin: the by-law of a harbour on top of the BPR, a fact, a rule in Python, an observer."""
 
 from __future__ import annotations
 
@@ -56,7 +56,8 @@ def deep_water(pair: PairView) -> RoleDecision | None:
     own, other = points(pair.own), points(pair.other)
     if own >= other:
         return None  # the rule is asked with the ships swapped, too
-    return RoleDecision("give_way", because=f"{own} points for deep water against {other}", strength="keep_clear")
+    because = f"{own} points for deep water against {other}"
+    return RoleDecision("give_way", because=because, strength="keep_clear")
 
 
 def points(ship: ShipView) -> int:
