@@ -103,9 +103,7 @@ def is_case_file(reader: Reader) -> bool:
     return "schema" not in keys and bool(keys & {"golden_cases", "hard_cases", "cases"})
 
 
-def _defaults(
-    reader: Reader, node: Node | None, vocabulary: Vocabulary
-) -> dict[Scope, dict[str, Any]]:
+def _defaults(reader: Reader, node: Node | None, vocabulary: Vocabulary) -> dict[Scope, dict[str, Any]]:
     """Values that hold where a case states none, besides those of the vocabulary."""
     block = reader.block(node)
     read = _CaseReader(reader, vocabulary, in_units=False)
@@ -166,7 +164,10 @@ class _CaseReader:
         block.find("note")
         placed = block.find("ships")
         ships = self._ships(placed, least=2) if placed else ()
-        waterway = {**self._defaults.get(Scope.WATERWAY, {}), **self.facts(block.find("waterway"), Scope.WATERWAY)}
+        waterway = {
+            **self._defaults.get(Scope.WATERWAY, {}),
+            **self.facts(block.find("waterway"), Scope.WATERWAY),
+        }
         encounter = self._encounter(block.find("encounter"), ships)
         order = self._resolution(block.find("resolution"))
         expected = {
@@ -218,7 +219,9 @@ class _CaseReader:
                 return None, None, node
             if len(found) < 3:
                 hint = "say all three, or none of them"
-                self._reader.refuse(node, "a ship that is only partly placed", expected="at, course, speed", hint=hint)
+                self._reader.refuse(
+                    node, "a ship that is only partly placed", expected="at, course, speed", hint=hint
+                )
                 return None, None, rest
             ends = self._reader.items(found[0], 2, 2)
             east, north = ([self._reader.number(each, LENGTH) for each in ends] + [math.nan, math.nan])[:2]
@@ -240,7 +243,9 @@ class _CaseReader:
     def _bare(self, node: Node) -> float:
         value = node.value if isinstance(node, Scalar) else None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            self._reader.refuse(node, "this is no finite number", expected="a number; its unit stands in the key")
+            self._reader.refuse(
+                node, "this is no finite number", expected="a number; its unit stands in the key"
+            )
             return math.nan
         return float(value)
 
@@ -325,7 +330,11 @@ class _CaseReader:
 
         def some(key: str) -> frozenset[ShipId] | None:
             found = block.find(key)
-            return None if found is None else frozenset(ShipId(each) for each in self._listed(found, ids, placed))
+            return (
+                None
+                if found is None
+                else frozenset(ShipId(each) for each in self._listed(found, ids, placed))
+            )
 
         def one(key: str) -> ShipId | None:
             found = block.find(key)
@@ -384,7 +393,12 @@ class _CaseReader:
         return text
 
     def _listed(
-        self, node: Node, ids: Iterable[str], placed: bool = True, at_least: int = 0, at_most: int = 100  # noqa: FBT001, FBT002
+        self,
+        node: Node,
+        ids: Iterable[str],
+        placed: bool = True,
+        at_least: int = 0,
+        at_most: int = 100,  # noqa: FBT001, FBT002
     ) -> list[str]:
         """Ships of a list, or the one ship that stands there."""
         nodes = node.items if isinstance(node, Sequence) else (node,)

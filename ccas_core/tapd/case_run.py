@@ -204,7 +204,11 @@ def _differences(judged: Judged, expected: Expected, *, hard: bool) -> Iterator[
                 yield f"article: expected {wanted}, got {got['article'] or 'none'}"
         elif got[name] != wanted:
             yield f"{name}: expected {_said(wanted)}, got {_said(got[name])}"
-    if expected.reason in ("no_rule", "no_risk") and got["kind"] == "none" and got["reason"] != expected.reason:
+    if (
+        expected.reason in ("no_rule", "no_risk")
+        and got["kind"] == "none"
+        and got["reason"] != expected.reason
+    ):
         yield f"reason: expected {expected.reason}, got {got['reason']}"
 
 
@@ -225,12 +229,19 @@ def _group_differences(judged: Judged, expected: Expected) -> Iterator[str]:
             yield f"{name}: expected {_pairs(wanted)}, got {_pairs(got)}"
     if expected.cycle is not None and expected.cycle not in {frozenset(ring) for ring in judged.cycles}:
         yield f"cycle: expected {', '.join(sorted(expected.cycle))}, got {judged.cycles or 'none'}"
-    if expected.order is not None and expected.diagnosis in ("cycle", "ok", "acyclic") and expected.order != judged.order:
+    if (
+        expected.order is not None
+        and expected.diagnosis in ("cycle", "ok", "acyclic")
+        and expected.order != judged.order
+    ):
         yield f"order: expected {', '.join(expected.order)}, got {', '.join(judged.order)}"
 
 
 def _pairs(pairs: Any) -> str:
-    return "; ".join(sorted(" ".join(pair if isinstance(pair, tuple) else sorted(pair)) for pair in pairs)) or "none"
+    return (
+        "; ".join(sorted(" ".join(pair if isinstance(pair, tuple) else sorted(pair)) for pair in pairs))
+        or "none"
+    )
 
 
 def told(judged: Judged) -> dict[str, Any]:

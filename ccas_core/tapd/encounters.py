@@ -49,7 +49,7 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter
     if before.geometry is Geometry.NONE:
         if verdict.geometry is Geometry.NONE:
             return NO_ENCOUNTER
-        held = {ship: _known(facts, side) for ship, side in ((facts.own, "own"), (facts.other, "other"))}
+        held = {ship: _known(facts, side) for ship, side in _sides(facts)}
         return Encounter(
             geometry=verdict.geometry,
             overtaker=verdict.overtaker,
@@ -61,7 +61,12 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter
     apart = distance > (facts["own.length"] + facts["other.length"]) / 2.0
     if opening >= _OPENING_PERIODS and apart and _past(before, facts):
         return NO_ENCOUNTER
-    return replace(before, distance=distance, opening_periods=opening)
+    held = {ship: {**_known(facts, side), **before.held.get(ship, {})} for ship, side in _sides(facts)}
+    return replace(before, held=held, distance=distance, opening_periods=opening)
+
+
+def _sides(facts: PairFacts) -> tuple[tuple[ShipId, str], ...]:
+    return (facts.own, "own"), (facts.other, "other")
 
 
 def _known(facts: PairFacts, side: str) -> dict[str, FactValue]:

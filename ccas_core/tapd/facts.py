@@ -1,10 +1,10 @@
-"""Facts about two ships: stated, remembered, or computed from their reports and the chart.
+"""Facts about two ships, Eq. (3) and Sec. 3.1: stated, remembered, or computed from reports and chart.
 
 All come from what both ships have heard, so that both compute the same; `PairFacts.mirrored` is the
 other ship's view.  Two ships on one waterway are looked at in the frame of its centreline, so that a bend
 between them changes neither a bearing nor a closest approach.
 
-The conditions of Eq. (3) stand in the rulesets; here are the quantities that they compare.
+Here are the quantities; the conditions on them, such as HEADON, stand in the rulesets.
 """
 
 from __future__ import annotations
@@ -25,13 +25,27 @@ from .vocabulary import Scope, Vocabulary
 STOPPED: Final = 0.1  # a ship slower than this is not under way [m/s]
 KEEPS_STARBOARD: Final = 5.0  # a ship this far to starboard of the centreline follows the starboard side [m]
 LEAVES_STARBOARD: Final = 0.0  # and does so until it is no farther than this [m]
-VELOCITY_GRID: Final = 2.0**-20  # velocities are shared in multiples of this [m/s]
+GRID: Final = 2.0**-20  # positions [m] and velocities [m/s] are shared in multiples of this
 
 _SHIP_OF: Final = {"own": "other", "other": "own"}
 _MIRRORED_MOTION: Final = tuple(
     MOTION.index(name)
-    for name in ("rx", "ry", "wx", "wy", "tvx", "tvy", "ovx", "ovy", "other.time_to_intersection",
-                 "own.time_to_intersection", "tx", "ty", "ox", "oy")  # fmt: skip
+    for name in (
+        "rx",
+        "ry",
+        "wx",
+        "wy",
+        "tvx",
+        "tvy",
+        "ovx",
+        "ovy",
+        "other.time_to_intersection",
+        "own.time_to_intersection",
+        "tx",
+        "ty",
+        "ox",
+        "oy",
+    )  # fmt: skip
 )
 
 
@@ -170,7 +184,12 @@ def assess(
     """
     known = values or {}
     sides = [
-        _held(vocabulary, known[each.id] if each.id in known else ship_values(vocabulary, waters, each), each.id, encounter)
+        _held(
+            vocabulary,
+            known[each.id] if each.id in known else ship_values(vocabulary, waters, each),
+            each.id,
+            encounter,
+        )
         for each in (own, other)
     ]
     place = meeting_waterway(waters, own, other)
@@ -294,12 +313,17 @@ def motion(
     other_speed: float,
     times: tuple[float, ...] = (math.inf, math.inf),
 ) -> tuple[float, ...]:
-    """Motion of two ships from their poses (north, east [m], course [rad]) and speeds [m/s]."""
+    """Motion of two ships from their poses (north, east [m], course [rad]) and speeds [m/s].
+
+    All is put on a grid, fine enough for any sensor: so that every machine has the same, and so that a product of
+    two of these numbers is zero only if one of them is.
+    """
+    ox, oy, tx, ty = (_on_grid(each) for each in (own[0], own[1], other[0], other[1]))
     ovx, ovy = velocity(own[2], own_speed)
     tvx, tvy = velocity(other[2], other_speed)
     return (
-        other[0] - own[0],
-        other[1] - own[1],
+        tx - ox,
+        ty - oy,
         tvx - ovx,
         tvy - ovy,
         ovx,
@@ -307,10 +331,10 @@ def motion(
         tvx,
         tvy,
         *times,
-        own[0],
-        own[1],
-        other[0],
-        other[1],
+        ox,
+        oy,
+        tx,
+        ty,
     )
 
 
@@ -325,7 +349,7 @@ def velocity(course: float, speed: float) -> tuple[float, float]:
 
 
 def _on_grid(value: float) -> float:
-    return round(value / VELOCITY_GRID) * VELOCITY_GRID + 0.0
+    return round(value / GRID) * GRID + 0.0
 
 
 def relative_bearing(own: tuple[float, float, float], other: tuple[float, float]) -> float:

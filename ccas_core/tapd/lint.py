@@ -48,7 +48,12 @@ def remarks(
                 hint = "say 'confidence: text_seen' or the like; or keep it, with a 'note' that says why"
                 reader.refuse(written.node, f"rule '{rule.id}' rests on an unverified source", hint=hint,
                               width=len(rule.id), code="R106")  # fmt: skip
-        elif rule.origin != draft.id and draft.regulation and rule.citation.regulation != draft.regulation and draft.recited:
+        elif (
+            rule.origin != draft.id
+            and draft.regulation
+            and rule.citation.regulation != draft.regulation
+            and draft.recited
+        ):
             hint = f"write it under 'citations': {rule.id}: {{article: …}}"
             message = f"inherited rule '{rule.id}' cites {rule.citation}"
             reader.refuse(Node(1, 1), message, hint=hint, code="R108")
@@ -63,7 +68,9 @@ def _unused(reader: Reader, names: Mapping[str, Mapping[str, Node]], used: set[s
             key = f"regime.{name}" if what == "regime" else name
             if key not in used:
                 hint = "remove it, or is a name misspelt where it should be used?"
-                reader.refuse(node, f"{what} '{name}' is not used", hint=hint, width=len(name), code=codes[what])
+                reader.refuse(
+                    node, f"{what} '{name}' is not used", hint=hint, width=len(name), code=codes[what]
+                )
 
 
 def _unreachable(reader: Reader, node: Node, rule: Rule, earlier: list[Rule]) -> None:
@@ -78,7 +85,9 @@ def _unreachable(reader: Reader, node: Node, rule: Rule, earlier: list[Rule]) ->
             if before.python:
                 continue
             hint = f"whenever it would apply, '{before.id}' applies before it"
-            reader.refuse(node, f"rule '{rule.id}' is never reached", hint=hint, width=len(rule.id), code="R102")
+            reader.refuse(
+                node, f"rule '{rule.id}' is never reached", hint=hint, width=len(rule.id), code="R102"
+            )
             return
 
 

@@ -89,7 +89,9 @@ def _known(facts: PairFacts, name: str) -> Any:
         raise AttributeError(f"there is no fact {name!r}") from None
     if value is UNKNOWN:
         head, _, tail = name.partition(".")
-        owner = {"own": facts.own, "other": facts.other, "waterway": "waterway"}.get(head if tail else "", "pair")
+        owner = {"own": facts.own, "other": facts.other, "waterway": "waterway"}.get(
+            head if tail else "", "pair"
+        )
         raise UnknownFact(Missing(owner, tail or name))
     return value
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from datetime import date
 from enum import StrEnum
 from fractions import Fraction
@@ -202,7 +202,12 @@ class RulesetText:
     waivers: tuple[Waiver, ...]
     tests: tuple[Case, ...]
     source: str  # path of the file
-    remarks: tuple[Diagnostic, ...] = field(default=())  # what a lint found
+    lint: Callable[[], tuple[Diagnostic, ...]] = tuple
+
+    @property
+    def remarks(self) -> tuple[Diagnostic, ...]:
+        """What the author may have overlooked (`lint`); looked for when asked."""
+        return self.lint()
 
     def rule(self, id_: str) -> Rule:
         """Rule by its id; `KeyError` where there is none."""

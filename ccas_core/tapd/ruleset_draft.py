@@ -364,7 +364,9 @@ class _DraftReader:
                 continue
             ships = tuple(name.strip() for name in (match[2] or "").split(",") if name.strip())
             if match[2] is not None and (not 1 <= len(ships) <= 2 or len(set(ships)) < len(ships)):
-                self._reader.refuse(key, f"'{key.text[:40]}' is asked for {len(ships)} ships", expected="1 or 2")
+                self._reader.refuse(
+                    key, f"'{key.text[:40]}' is asked for {len(ships)} ships", expected="1 or 2"
+                )
                 continue
             conditions = self._conditions(value)
             if not conditions:
@@ -419,7 +421,9 @@ class _DraftReader:
             named = block.require("id")
             id_ = self._reader.unique(ids, named, "rule")
             if id_ and not _ID.fullmatch(id_):
-                self._reader.refuse(named, f"got '{id_[:40]}'", expected="small letters, digits, '.', '-', '_'")
+                self._reader.refuse(
+                    named, f"got '{id_[:40]}'", expected="small letters, digits, '.', '-', '_'"
+                )
             python = block.find("python")
             rule = DraftRule(
                 id=id_,
@@ -567,9 +571,7 @@ def refuse(condition: Condition, fault: syntax.Fault, reader: Reader | None = No
     else:
         part = condition.text[span.begin : span.end]
         place, width = _found(reader, node, part)
-    reader.refuse(
-        place, fault.message, expected=fault.expected, hint=fault.hint, width=width, code=code
-    )
+    reader.refuse(place, fault.message, expected=fault.expected, hint=fault.hint, width=width, code=code)
 
 
 def _found(reader: Reader, node: Node, part: str) -> tuple[Place, int]:

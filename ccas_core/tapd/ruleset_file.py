@@ -34,6 +34,7 @@ from .rules import (
     Source,
     Waiver,
 )
+from .python_rules import PythonRule
 from .ranking import RankingCriterion
 from .ruleset_draft import (
     RECOGNITION,
@@ -47,7 +48,7 @@ from .ruleset_draft import (
     refuse,
 )
 from .vocabulary import VOCABULARY, Vocabulary
-from .written import PythonRule, WrittenRuleset
+from .written import WrittenRuleset
 
 __all__ = ["SCHEMA", "load_ruleset", "parse_ruleset", "read_text_of", "head_of", "Library"]
 
@@ -223,7 +224,7 @@ class _Weaver:
             waivers=waivers,
             tests=last.tests,
             source=last.path,
-            remarks=tuple(self._remarks(definitions, parameters, regimes, rules)),
+            lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
         )
 
     def _first(self, get: Callable[[Draft], str]) -> str:
@@ -276,7 +277,9 @@ class _Weaver:
                 at = near - 1 if rule.before is not None else near
             elif last_placed is None and inherited:
                 hint = "say 'before: ID', 'after: ID' or 'replaces: ID'; rules that follow stand behind it"
-                draft.reader.refuse(rule.node, f"where in the ladder of the base does '{rule.id}' stand?", hint=hint)
+                draft.reader.refuse(
+                    rule.node, f"where in the ladder of the base does '{rule.id}' stand?", hint=hint
+                )
                 continue
             at = len(self.ladder) - 1 if at is None else at
             self.ladder.insert(at + 1, _Slot(rule, rule.citation))
@@ -354,15 +357,24 @@ class _Weaver:
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
-                    hits = [i for i in ids if i == name.text or (stem != name.text and i.startswith(f"{stem}."))]
+                    hits = [
+                        i for i in ids if i == name.text or (stem != name.text and i.startswith(f"{stem}."))
+                    ]
                     if not hits:
                         hint = did_you_mean(name.text, ids)
-                        self._reader(gate.reader).refuse(name, f"no rule '{name.text}' to switch off", hint=hint)
+                        self._reader(gate.reader).refuse(
+                            name, f"no rule '{name.text}' to switch off", hint=hint
+                        )
                     off += hits
                 formula = all_of(self._formula(each) for each in gate.when)
                 source = self._source(gate.reader, gate.node)
                 gates.append(
-                    (draft, Gate(id=gate.id, formula=formula, citation=gate.citation, off=tuple(off), source=source))
+                    (
+                        draft,
+                        Gate(
+                            id=gate.id, formula=formula, citation=gate.citation, off=tuple(off), source=source
+                        ),
+                    )
                 )
         return gates
 
@@ -375,8 +387,12 @@ class _Weaver:
             *(Part(f"gate {gate.id}", negated(gate.formula)) for _, gate in gates if draft.id in gate.off),
         ]
         if draft.python and draft.python not in self.python:
-            hint = did_you_mean(draft.python, self.python) if self.python else "no plugin offers rules in Python"
-            self._reader(draft.reader).refuse(draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint)
+            hint = (
+                did_you_mean(draft.python, self.python) if self.python else "no plugin offers rules in Python"
+            )
+            self._reader(draft.reader).refuse(
+                draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint
+            )
         return Rule(
             id=draft.id,
             condition=all_of(part.formula for part in parts),
@@ -426,7 +442,9 @@ class _Weaver:
             for order, node in draft.resolve_by:
                 if order.criterion not in known:
                     hint = did_you_mean(order.criterion, known)
-                    self._reader(draft.reader).refuse(node, f"unknown criterion '{order.criterion}'", hint=hint)
+                    self._reader(draft.reader).refuse(
+                        node, f"unknown criterion '{order.criterion}'", hint=hint
+                    )
             return tuple(order for order, _ in draft.resolve_by)
         return DEFAULT_ORDER
 

@@ -86,7 +86,13 @@ def _flag(name: str, meaning: str, source: Source, **more: Any) -> Fact:
 
 def _number(name: str, meaning: str, source: Source, quantity: Quantity, **more: Any) -> Fact:
     return Fact(
-        name=name, scope=Scope.SHIP, kind=Kind.NUMBER, meaning=meaning, source=source, quantity=quantity, **more
+        name=name,
+        scope=Scope.SHIP,
+        kind=Kind.NUMBER,
+        meaning=meaning,
+        source=source,
+        quantity=quantity,
+        **more,
     )
 
 
@@ -109,7 +115,9 @@ _SHIP: Final = (
     _flag("ferry", "is a ferry", Source.AIS),
     _flag("pushed_barge", "is a pushed barge", Source.AIS),
     _flag("tows_large", "tows, pushes or carries a ship that is not small", Source.AIS),
-    _flag("authorised_tow_large", "is authorised to tow, push or carry ships that are not small", Source.MESSAGE),
+    _flag(
+        "authorised_tow_large", "is authorised to tow, push or carry ships that are not small", Source.MESSAGE
+    ),
     _flag("convoy", "is a convoy", Source.AIS),
     _flag("convoy_only_small", "is a convoy of small craft only", Source.MESSAGE),
     _number("convoy_length", "length of the convoy", Source.AIS, LENGTH),
@@ -168,7 +176,9 @@ _SHIP: Final = (
     _flag("close_hauled", "sails close-hauled", Source.OBSERVED),
     _flag("tacking", "is tacking across the fairway", Source.OBSERVED),
     _flag("inside_narrow_passage", "is in the narrow passage already", Source.SHARED),
-    _flag("obstacle_on_starboard", "has the obstacle, or the inner bend, on its starboard side", Source.SHARED),
+    _flag(
+        "obstacle_on_starboard", "has the obstacle, or the inner bend, on its starboard side", Source.SHARED
+    ),
     _flag("lays_through", "can sail through without tacking", Source.OWN),
     _flag("moving_astern_over_ground", "falls down with its bow against the current", Source.SHARED),
     _number("heading", "direction of the bow", Source.AIS, ANGLE),
@@ -176,32 +186,66 @@ _SHIP: Final = (
 
 _WATERWAY: Final = (
     Fact(
-        name="name", scope=Scope.WATERWAY, kind=Kind.TEXT, meaning="its id on the chart", source=Source.CHART,
-        default="", computed=True,
+        name="name",
+        scope=Scope.WATERWAY,
+        kind=Kind.TEXT,
+        meaning="its id on the chart",
+        source=Source.CHART,
+        default="",
+        computed=True,
     ),
     Fact(
-        name="type", scope=Scope.WATERWAY, kind=Kind.CHOICE, choices=("river", "canal", "lake", "sea", "harbour"),
-        meaning="what kind of water it is", source=Source.CHART, default="river",
+        name="type",
+        scope=Scope.WATERWAY,
+        kind=Kind.CHOICE,
+        choices=("river", "canal", "lake", "sea", "harbour"),
+        meaning="what kind of water it is",
+        source=Source.CHART,
+        default="river",
     ),
     Fact(
-        name="upstream_defined", scope=Scope.WATERWAY, kind=Kind.FLAG, default=True, computed=True,
-        meaning="the regulation says which direction is upstream", source=Source.CHART,
+        name="upstream_defined",
+        scope=Scope.WATERWAY,
+        kind=Kind.FLAG,
+        default=True,
+        computed=True,
+        meaning="the regulation says which direction is upstream",
+        source=Source.CHART,
     ),
     Fact(
-        name="current", scope=Scope.WATERWAY, kind=Kind.CHOICE, choices=("none", "downstream", "upstream"),
-        meaning="where the current runs now", source=Source.CHART, default="none",
+        name="current",
+        scope=Scope.WATERWAY,
+        kind=Kind.CHOICE,
+        choices=("none", "downstream", "upstream"),
+        meaning="where the current runs now",
+        source=Source.CHART,
+        default="none",
     ),
     Fact(
-        name="width", scope=Scope.WATERWAY, kind=Kind.NUMBER, quantity=LENGTH, computed=True,
-        meaning="width between the banks", source=Source.CHART,
+        name="width",
+        scope=Scope.WATERWAY,
+        kind=Kind.NUMBER,
+        quantity=LENGTH,
+        computed=True,
+        meaning="width between the banks",
+        source=Source.CHART,
     ),
     Fact(
-        name="regime", scope=Scope.WATERWAY, kind=Kind.FLAGS, default="",
-        meaning="stretches and special regimes to which it belongs", source=Source.CHART,
+        name="regime",
+        scope=Scope.WATERWAY,
+        kind=Kind.FLAGS,
+        default="",
+        meaning="stretches and special regimes to which it belongs",
+        source=Source.CHART,
     ),
     *(
         Fact(
-            name=name, scope=Scope.WATERWAY, kind=Kind.FLAG, meaning=meaning, source=Source.CHART, default=default
+            name=name,
+            scope=Scope.WATERWAY,
+            kind=Kind.FLAG,
+            meaning=meaning,
+            source=Source.CHART,
+            default=default,
         )
         for name, meaning, default in (
             ("narrow_passage", "no room for two ships to pass", False),
@@ -225,19 +269,31 @@ def _pair(name: str, kind: Kind, meaning: str, **more: Any) -> Fact:
 _PAIR: Final = (
     _pair("risk_of_collision", Kind.FLAG, "there is a risk of collision", memory="until past and clear"),
     _pair(
-        "geometry", Kind.CHOICE, "how the ships meet", choices=("head_on", "crossing", "overtaking", "none"),
+        "geometry",
+        Kind.CHOICE,
+        "how the ships meet",
+        choices=("head_on", "crossing", "overtaking", "none"),
         memory="until past and clear",
     ),
     _pair(
-        "overtaker", Kind.CHOICE, "which of the two overtakes", choices=("own", "other", "none"),
+        "overtaker",
+        Kind.CHOICE,
+        "which of the two overtakes",
+        choices=("own", "other", "none"),
         memory="until past and clear",
     ),
     _pair(
-        "has_other_on_starboard", Kind.CHOICE, "which of the two has the other on its starboard side",
-        choices=("own", "other", "none"), memory="until past and clear",
+        "has_other_on_starboard",
+        Kind.CHOICE,
+        "which of the two has the other on its starboard side",
+        choices=("own", "other", "none"),
+        memory="until past and clear",
     ),
     _pair(
-        "same_waterway", Kind.FLAG, "each lies between the banks of the other's waterway", default=True,
+        "same_waterway",
+        Kind.FLAG,
+        "each lies between the banks of the other's waterway",
+        default=True,
     ),
     _pair("same_direction", Kind.FLAG, "both follow one waterway, in one direction", default=False),
 )
@@ -250,8 +306,11 @@ MOTIONS: Final[Mapping[str, tuple[Quantity, str]]] = MappingProxyType(
         "course_difference": (ANGLE, "angle between the courses, 0 to 180 deg"),
         "bearing": (ANGLE, "`bearing(a, b)`: of b, from the course of a, clockwise, -180 to 180 deg"),
         "speed": (SPEED, "`own.speed`: over ground"),
-        "time_to_intersection": (TIME, "`own.time_to_intersection`: until the ship reaches the middle of the "
-            "intersection with the other's waterway; negative when past, never if it will not"),
+        "time_to_intersection": (
+            TIME,
+            "`own.time_to_intersection`: until the ship reaches the middle of the "
+            "intersection with the other's waterway; negative when past, never if it will not",
+        ),
     }
 )
 

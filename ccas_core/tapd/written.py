@@ -8,7 +8,7 @@ same from its own side.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 from typing import Any, Final
@@ -20,17 +20,19 @@ from ..units import DEGREE
 from ..verdict import OPPOSITE, Kind, Verdict
 from .facts import PairFacts
 from .language.code import Missing, UnknownFact, Values, program
-from .language.formula import Measure, Named, facts_of, walk
+from .language.formula import Measure, Named, alike, facts_of, mirrored, walk
 from .language.polynomial import RELATIVE
 from .python_rules import PairView, PythonRule, ruled
 from .rules import DEFAULT_ORDER, Criterion, Mirror, Outcome, Policy, Rule, RulesetText, Side
 from .ruleset import PairRuleset
-from .vocabulary import MOTIONS, Kind as FactKind, Scope, Vocabulary
+from .vocabulary import MOTIONS, Scope, Vocabulary
+from .vocabulary import Kind as FactKind
 
 MOST_GUESSES: Final = 512  # values of unknown facts that are tried
 _RECOGNISED: Final = ("risk_of_collision", "geometry", "overtaker", "has_other_on_starboard")
 
 Arguments = tuple[Values, Values, Values, Values, Values, list[Any]]
+Recognised = tuple[Any, Any, Any, Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,9 @@ class WrittenRuleset(PairRuleset):
         """What `rank` goes by: the lightest first, unless the file says otherwise."""
         if self.text.resolve_by == DEFAULT_ORDER:
             return LIGHTEST_FIRST
-        words = (f"{each.criterion}{' descending' if each.descending else ''}" for each in self.text.resolve_by)
+        words = (
+            f"{each.criterion}{' descending' if each.descending else ''}" for each in self.text.resolve_by
+        )
         return f"by {', '.join(words)}"
 
     def rank(self, ship: Ship) -> tuple[float, ...]:
@@ -117,7 +121,7 @@ class WrittenRuleset(PairRuleset):
         risk, geometry, overtaker, starboard = self._places
         if all(facts.pair_values[place] is not None for place in self._places):
             return facts, own, swapped
-        found = [self._recognise(own, swapped), self._recognise(swapped, own)]
+        found = self._recognised_by_both(own, swapped)
         completed = []
         for values, recognition in zip((facts.pair_values, turned.pair_values), found, strict=True):
             filled = list(values)
@@ -137,35 +141,57 @@ class WrittenRuleset(PairRuleset):
         )
         return seen, (*own[:3], completed[0], *own[4:]), (*swapped[:3], completed[1], *swapped[4:])
 
-    def _recognise(self, own: Arguments, swapped: Arguments) -> tuple[Any, Any, Any, Any]:
-        """Risk, geometry, overtaker and who has the other on its starboard side, for (own, other)."""
-        decide = self._recognition
-        if decide is None:
-            return False, "none", "none", "none"
-        risk, overtaking, head_on, crossing, from_starboard = decide
+    @cached_property
+    def _symmetric(self) -> tuple[bool, bool, bool]:
+        """Whether risk, head-on and crossing are the same with the ships swapped; then it is enough to look once."""
+        found = self.text.recognition
+        if found is None:
+            return True, True, True
+        risk, head_on, crossing = (alike(mirrored(f), f) for f in (found.risk, found.head_on, found.crossing))
+        return risk, head_on, crossing
 
-        def geometry() -> str:
-            given = own[3][self._places[1]]
-            if given is not None:
-                return str(given)
-            if overtaking(*own) or overtaking(*swapped):
+    def _recognised_by_both(self, own: Arguments, swapped: Arguments) -> tuple[Recognised, Recognised]:
+        """Risk, geometry, overtaker and who has the other on its starboard side, as written and swapped."""
+        if self._recognition is None:
+            nothing = (False, "none", "none", "none")
+            return nothing, nothing
+        risk, overtaking, head_on, crossing, from_starboard = self._recognition
+        given = own[3][self._places[1]]
+        same_risk, *same_geometry = self._symmetric
+
+        def overtakers() -> tuple[bool, bool]:
+            return overtaking(*own), overtaking(*swapped)
+
+        def geometry(seen: Arguments) -> str:
+            if any(overtakers()):
                 return "overtaking"
-            return "head_on" if head_on(*own) else "crossing" if crossing(*own) else "none"
+            return "head_on" if head_on(*seen) else "crossing" if crossing(*seen) else "none"
 
-        def overtaker() -> str:
-            if geometry() != "overtaking":
-                return "none"
-            return "own" if overtaking(*own) else "other" if overtaking(*swapped) else "none"
+        def named(first: bool, second: bool) -> tuple[str, str]:  # noqa: FBT001
+            there = "own" if second else "other" if first else "none"
+            return ("own" if first else "other" if second else "none"), there
 
-        def starboard() -> str:
-            return "own" if from_starboard(*own) else "other" if from_starboard(*swapped) else "none"
-
-        return (
-            _asked("risk_of_collision", lambda: risk(*own)),
-            _asked("geometry", geometry),
-            _asked("overtaker", overtaker),
-            _asked("has_other_on_starboard", starboard),
+        geometries = [given if given is not None else _asked("geometry", lambda: geometry(own))]
+        alike_ = given is not None or all(same_geometry)
+        geometries.append(geometries[0] if alike_ else _asked("geometry", lambda: geometry(swapped)))
+        risks = [_asked("risk_of_collision", lambda: risk(*own))]
+        risks.append(risks[0] if same_risk else _asked("risk_of_collision", lambda: risk(*swapped)))
+        overtaker: Any = ("none", "none")
+        if not isinstance(geometries[0], str) or geometries[0] == "overtaking":
+            overtaker = _asked("overtaker", lambda: named(*overtakers()))
+        starboard = _asked(
+            "has_other_on_starboard", lambda: named(from_starboard(*own), from_starboard(*swapped))
         )
+        here, there = (
+            (
+                risks[n],
+                geometries[n],
+                overtaker[n] if isinstance(overtaker, tuple) else overtaker,
+                starboard[n] if isinstance(starboard, tuple) else starboard,
+            )
+            for n in (0, 1)
+        )
+        return here, there
 
     def applied(self, own: Arguments, swapped: Arguments, facts: PairFacts) -> list[Applied]:
         """Rules that apply: the first one, or all of them where the policy is `unique`."""
@@ -344,7 +370,9 @@ class WrittenRuleset(PairRuleset):
         tail = f": it decides between {', '.join(duties)}" if len(duties) > 1 else ""
         alike = {each.give_way for each in decided}
         if len(duties) == 1 and len(alike) == 1 and decided[0].give_way:
-            tail = f": {', '.join(decided[0].give_way)} gives way whatever it is, but the side is not determined"
+            tail = (
+                f": {', '.join(decided[0].give_way)} gives way whatever it is, but the side is not determined"
+            )
         return Verdict(
             own=facts.own,
             other=facts.other,
@@ -422,11 +450,11 @@ def _values_of(facts: PairFacts, missing: Missing) -> tuple[FactValue, ...]:
 
 
 def _completed(facts: PairFacts, missing: Missing, value: FactValue) -> PairFacts:
-    from dataclasses import replace
-
     def put(values: Values) -> tuple[Any, ...]:
         return tuple(
-            value if isinstance(each, Missing) and (each.owner, each.name) == (missing.owner, missing.name) else each
+            value
+            if isinstance(each, Missing) and (each.owner, each.name) == (missing.owner, missing.name)
+            else each
             for each in values
         )
 

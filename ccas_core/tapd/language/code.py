@@ -34,7 +34,12 @@ from .polynomial import Polynomial
 # and, for exact evaluation, the positions themselves.
 MOTION: Final = ("rx", "ry", "wx", "wy", "ovx", "ovy", "tvx", "tvy", "own.time_to_intersection",
                  "other.time_to_intersection", "ox", "oy", "tx", "ty")  # fmt: skip
-_EXACT_DIFFERENCES: Final = {"rx": ("tx", "ox"), "ry": ("ty", "oy"), "wx": ("tvx", "ovx"), "wy": ("tvy", "ovy")}
+_EXACT_DIFFERENCES: Final = {
+    "rx": ("tx", "ox"),
+    "ry": ("ty", "oy"),
+    "wx": ("tvx", "ovx"),
+    "wy": ("tvy", "ovy"),
+}
 _ROUNDING: Final = 2.0**-53
 
 Values: TypeAlias = Sequence[Any]
@@ -245,9 +250,7 @@ class _Writer:
             product = " * ".join([*factors, *(local[name] for name in monomial)])
             terms.append(f"-({product})" if factor < 0 else product)
         values = ", ".join(
-            f"{raw!r}: {self._place(raw)}"
-            for name in names
-            for raw in _EXACT_DIFFERENCES.get(name, (name,))
+            f"{raw!r}: {self._place(raw)}" for name in names for raw in _EXACT_DIFFERENCES.get(name, (name,))
         )
         self.lines += [
             f"def s{number}(o, t, w, p, k, m):",
@@ -259,6 +262,7 @@ class _Writer:
             f"    bound = {rounding_bound(polynomial)!r} * ({' + '.join(f'abs(a{n})' for n in range(len(terms)))})",
             "    if total > bound: v = 1",
             "    elif total < -bound: v = -1",
+            "    elif bound == 0.0: v = 0",  # every term is zero, and none is too small for a float
             f"    else: v = exact(P[{number}], {{{values}}})",
             f"    m[{slot}] = v",
             "    return v",

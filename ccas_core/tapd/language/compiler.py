@@ -236,7 +236,9 @@ class _Scope:
             self._unknown(expression.span, value.word)
         if isinstance(value, _Amount | _Moving | _Chosen | _Ship):
             hint = "compare it with something" if not isinstance(value, _Ship) else "name one of its facts"
-            raise Fault(expression.span, f"{_kind(value)} is no condition", expected="true or false", hint=hint)
+            raise Fault(
+                expression.span, f"{_kind(value)} is no condition", expected="true or false", hint=hint
+            )
         return value
 
     def _value(self, expression: syntax.Expression) -> _Value:
@@ -365,7 +367,9 @@ class _Scope:
     def _ship_arguments(self, call: syntax.Call, count: int) -> tuple[str, ...]:
         if len(call.arguments) != count:
             got = f"'{call.name}' is asked for {len(call.arguments)} ship(s)"
-            raise Fault(call.span, got, expected=f"{count}" if count else f"'{call.name}' without parentheses")
+            raise Fault(
+                call.span, got, expected=f"{count}" if count else f"'{call.name}' without parentheses"
+            )
         ships = []
         for argument in call.arguments:
             value = self._value(argument)
@@ -525,7 +529,9 @@ class _Scope:
         if isinstance(value, _Literal):
             self._unknown(expression.value.span, value.word)
         if not isinstance(value, _Chosen):
-            raise Fault(expression.value.span, f"{_kind(value)} is not among words", expected="a fact with words")
+            raise Fault(
+                expression.value.span, f"{_kind(value)} is not among words", expected="a fact with words"
+            )
         found = any_of(self._word(word.span, value, word.name) for word in expression.words)
         return negated(found) if expression.negated else found
 
@@ -551,7 +557,10 @@ class _Scope:
 
     def _two_motions(self, span: Span, one: _Moving, relation: str, other: _Moving) -> Formula:
         if one.name == other.name == "speed":
-            squares = [motion.dot(motion.VELOCITY[each.ships[0]], motion.VELOCITY[each.ships[0]]) for each in (one, other)]
+            squares = [
+                motion.dot(motion.VELOCITY[each.ships[0]], motion.VELOCITY[each.ships[0]])
+                for each in (one, other)
+            ]
             return _SIGNS[relation](squares[0] - squares[1])
         if one.name == other.name == "time_to_intersection":
             return _before(f"{one.ships[0]}.{one.name}", relation, f"{other.ships[0]}.{other.name}")

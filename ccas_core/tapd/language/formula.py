@@ -186,6 +186,22 @@ def _swapped(word: re.Match[str]) -> str:
     return SHIP_VALUES[word[0]]
 
 
+def alike(one: Formula, other: Formula) -> bool:
+    """Whether two formulas are the same but for the order of what they join and for names."""
+    return _unordered(one) == _unordered(other)
+
+
+@lru_cache(maxsize=4096)
+def _unordered(formula: Formula) -> object:
+    if isinstance(formula, And | Or):
+        return type(formula), frozenset(_unordered(part) for part in formula.parts)
+    if isinstance(formula, Not):
+        return Not, _unordered(formula.part)
+    if isinstance(formula, Same):
+        return Same, frozenset((formula.one, formula.other))
+    return _unordered(formula.part) if isinstance(formula, Named) else formula
+
+
 def rebuilt(formula: Formula, change: Callable[[Formula], Formula]) -> Formula:
     """Apply a change to the parts of a formula; what has no parts stays."""
     if isinstance(formula, Not):

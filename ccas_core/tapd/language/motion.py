@@ -119,9 +119,7 @@ def dcpa() -> Quantity:
         rest = sign(dot(W, W), ZERO)
         return lambda limit: any_of([all_of([rest, other(limit)]), all_of([negated(rest), one(limit)])])
 
-    return Quantity(
-        above=either(moving.above, still.above), at_least=either(moving.at_least, still.at_least)
-    )
+    return Quantity(above=either(moving.above, still.above), at_least=either(moving.at_least, still.at_least))
 
 
 def tangent(angle: Fraction) -> Fraction:

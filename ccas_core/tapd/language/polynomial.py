@@ -38,9 +38,7 @@ class Polynomial:
 
     def __mul__(self, other: Polynomial) -> Polynomial:
         return _sum(
-            (tuple(sorted(one + two)), factor * by)
-            for one, factor in self.terms
-            for two, by in other.terms
+            (tuple(sorted(one + two)), factor * by) for one, factor in self.terms for two, by in other.terms
         )
 
     @property

@@ -186,7 +186,9 @@ def _tokens(text: str) -> list[_Token]:
             glued = re.compile(r"[A-Za-z_.]\S*").match(text, end)
             if glued:
                 word = text[at : glued.end()]
-                raise Fault(Span(at, glued.end()), f"'{word}' is not a number", hint=_apart(match[0], glued[0]))
+                raise Fault(
+                    Span(at, glued.end()), f"'{word}' is not a number", hint=_apart(match[0], glued[0])
+                )
             following = _UNIT.match(text, end)
             if following and following[1] not in _KEYWORDS:
                 unit, end = following[1], following.end()
@@ -240,7 +242,9 @@ class _Parser:
     def _nest(self, span: Span) -> None:
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            raise Fault(span, f"nested more than {MAX_DEPTH} deep", hint="give a part of it a name under 'let'")
+            raise Fault(
+                span, f"nested more than {MAX_DEPTH} deep", hint="give a part of it a name under 'let'"
+            )
 
     def _or(self) -> Expression:
         return self._junction("or")

@@ -53,7 +53,9 @@ def examine(formula: Formula, decide: Callable[[Formula], Truth], say: Callable[
             parts = tuple(examine(part, decide, say) for part in formula.parts)
             conjunctive = isinstance(formula, And)
             values = [part.value for part in parts]
-            value = (not conjunctive) if (not conjunctive) in values else None if None in values else conjunctive
+            value = (
+                (not conjunctive) if (not conjunctive) in values else None if None in values else conjunctive
+            )
             return Finding("all of" if conjunctive else "one of", value, None, parts)
         case Named():
             if formula.measure is not None:
