@@ -20,7 +20,7 @@ def test_graph_tells_edges_with_their_source(two_ships: Path) -> None:
     (edge,) = found["edges"]
     assert (edge["first"], edge["then"], edge["kind"]) == ("ship_1", "ship_2", "duty")
     assert (edge["ruleset"], edge["article"]) == ("tran2026", ARTICLE)
-    assert edge["reason"] == "the ship that comes from port gives way"
+    assert edge["reason"] == "The ship that comes from port gives way"
     assert found["generations"] == [["ship_1"], ["ship_2"]]
     assert (found["cycles"], found["openings"], found["without_edge"]) == ([], [], [])
 

@@ -424,17 +424,14 @@ _sizes = st.floats(0.1, 500.0)
 def _values_of(fact: Fact) -> st.SearchStrategy[FactValue]:
     """All values that a file can state for a fact."""
     words = st.lists(_names.filter(lambda text: len(text.split()) == 1), max_size=3)
-    return (
-        st.just(UNKNOWN)
-        | {
-            FactKind.FLAG: st.booleans(),
-            FactKind.NUMBER: st.floats(-1e6, 1e6).map(fact.quantity.keep),
-            FactKind.CHOICE: st.sampled_from(fact.choices or ("",)),
-            FactKind.FLAGS: words.map(lambda found: " ".join(each.strip() for each in found)),
-            FactKind.TEXT: _names.filter(lambda text: text != "unknown"),
-        }
+    known: dict[FactKind, st.SearchStrategy[FactValue]] = {
+        FactKind.FLAG: st.booleans(),
+        FactKind.NUMBER: st.floats(-1e6, 1e6).map(fact.quantity.keep),
+        FactKind.CHOICE: st.sampled_from(fact.choices or ("",)),
+        FactKind.FLAGS: words.map(lambda found: " ".join(each.strip() for each in found)),
+        FactKind.TEXT: _names.filter(lambda text: text != "unknown"),
+    }
     return st.one_of(st.just(UNKNOWN), known[fact.kind])
-    )
 
 
 def _facts_of(scope: Scope) -> st.SearchStrategy[dict[str, FactValue]]:
