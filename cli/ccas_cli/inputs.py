@@ -30,8 +30,8 @@ RulesetId: TypeAlias = Annotated[
     typer.Option(
         "--ruleset",
         metavar="ID",
-        help="Ruleset of the waters, in place of the scenario's; regions keep theirs. "
-        "`ccas rulesets` lists them.",
+        help="Ruleset of the waters, in place of the scenario's: an id (`ccas rulesets` lists them) or the "
+        "path of a file. Regions keep theirs.",
         show_default=False,
     ),
 ]
@@ -96,11 +96,10 @@ def read_scenario(name: str, plugins: Plugins, ruleset: str | None = None) -> Sc
     """Read a scenario whose rulesets are all known; `ruleset` replaces that of the waters."""
     from ccas_core.sim.scenario_file import load_scenario
 
-    if ruleset is not None:
-        plugins.ruleset(ruleset)  # refuses one that is not known, before the file is read
+    chosen = None if ruleset is None else plugins.ruleset(ruleset)  # before the file, for it may name it
     scenario = load_scenario(
         scenario_file(name), plugins.rulesets, regions=plugins.regions, vocabulary=plugins.vocabulary
     )
-    if ruleset is None:
+    if chosen is None:
         return scenario
-    return replace(scenario, waters=replace(scenario.waters, ruleset=ruleset))
+    return replace(scenario, waters=replace(scenario.waters, ruleset=chosen.id))

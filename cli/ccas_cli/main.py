@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, inputs, plugins, reproduce, rulesets, scenarios, simulate
+from . import bench, check, diff, explain, graph, inputs, plugins, reproduce, rulesets, scenarios, simulate
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
@@ -18,6 +18,7 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     check.check,
     graph.graph,
     explain.explain,
+    diff.diff,
     scenarios.scenarios,
     rulesets.rulesets,
     plugins.plugins,
