@@ -10,7 +10,21 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, diff, explain, graph, inputs, plugins, reproduce, rulesets, scenarios, simulate
+from . import (
+    bench,
+    check,
+    diff,
+    explain,
+    graph,
+    inputs,
+    new,
+    plugins,
+    reproduce,
+    rulesets,
+    scenarios,
+    schema,
+    simulate,
+)
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
@@ -22,6 +36,7 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     scenarios.scenarios,
     rulesets.rulesets,
     plugins.plugins,
+    schema.schema,
     reproduce.reproduce,
     bench.bench,
 )
@@ -76,6 +91,14 @@ def _manual(command: Callable[..., None]) -> str:
 app.callback(help=_manual(ccas))(ccas)
 for _command in COMMANDS:
     app.command(help=_manual(_command), short_help=_manual(_command).partition("\n")[0])(answered(_command))
+
+
+_new = typer.Typer(
+    help="Write a ruleset file, or a plugin, to begin with.", no_args_is_help=True, rich_markup_mode=None
+)
+for _command in (new.ruleset, new.plugin):
+    _new.command(help=_manual(_command), short_help=_manual(_command).partition("\n")[0])(answered(_command))
+app.add_typer(_new, name="new")
 
 
 def main() -> None:
