@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,11 +13,12 @@ from ..priority import PriorityGraph, Settlement, settle
 from ..ships import UNKNOWN, ShipId
 from ..verdict import Kind, Verdict
 from .cases import Case, CaseShip, Expected
-from .facts import PairFacts, motion
+from .facts import STOPPED, PairFacts, motion
 from .language.code import MOTION, Missing
 from .ruleset import PairRuleset
 from .vocabulary import Scope, Vocabulary
 
+_PARALLEL: Final = math.sin(math.radians(22.5))
 _NO_WEIGHT: Final = 1.0  # of a ship whose weight a case does not state [kg]
 
 
@@ -110,7 +112,22 @@ def _pair_values(case: Case, own: ShipId, other: ShipId, vocabulary: Vocabulary)
 def _motion(own: CaseShip, other: CaseShip) -> tuple[Any, ...]:
     if own.pose is None or other.pose is None or own.speed is None or other.speed is None:
         return tuple(Missing("pair", name) for name in MOTION)
-    return motion(own.pose, own.speed, other.pose, other.speed)
+    times = (crossing_time(own.pose, own.speed, other.pose), crossing_time(other.pose, other.speed, own.pose))
+    return motion(own.pose, own.speed, other.pose, other.speed, times)
+
+
+def crossing_time(
+    own: tuple[float, float, float], speed: float, other: tuple[float, float, float]
+) -> float:
+    """Time until a ship reaches the line on which another sails [s], as if it were the axis of its waterway.
+
+    Negative when past; never, where the courses are within 22.5 deg of parallel: then it is the same waterway.
+    """
+    across = math.sin(other[2] - own[2])
+    if abs(across) < _PARALLEL or speed <= STOPPED:
+        return math.inf
+    north, east = other[0] - own[0], other[1] - own[1]
+    return (north * math.sin(other[2]) - east * math.cos(other[2])) / across / speed
 
 
 def judge_case(ruleset: PairRuleset, case: Case) -> Judged:
@@ -276,8 +293,10 @@ def articles(text: str) -> frozenset[str]:
 
     >>> sorted(articles("RPNR 9.04(3) with 6.04(3),(5)"))
     ['6.04', '9.04']
+    >>> sorted(articles("33 CFR 83.09(a)(ii)") | articles("BPR 6.07(8)c"))
+    ['6.07', '83.09']
     """
-    return frozenset(re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)", "", text)))
+    return frozenset(re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)|\b\d+ (?=[A-Z]{2})", " ", text)))
 
 
 def case_of(case: Case, *ships: ShipId) -> Case:
