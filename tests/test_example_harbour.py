@@ -161,8 +161,6 @@ def test_installed_sample_is_listed_by_the_program(installed: Path) -> None:
 
 
 def test_tests_of_the_by_law_are_run_by_the_program(installed: Path) -> None:
-    pytest.importorskip("ccas_cli.test")
-
     found = json.loads(ccas(installed, "test", "harbour", "--json"))
 
     assert (found["passed"], found["failed"]) == (7, 0)

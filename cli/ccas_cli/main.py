@@ -13,8 +13,10 @@ import typer
 from . import (
     bench,
     check,
+    codes,
     diff,
     explain,
+    facts,
     graph,
     inputs,
     new,
@@ -24,17 +26,21 @@ from . import (
     scenarios,
     schema,
     simulate,
+    testing,
 )
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
     check.check,
+    codes.code,
+    testing.test,
     graph.graph,
     explain.explain,
     diff.diff,
     scenarios.scenarios,
     rulesets.rulesets,
+    facts.facts,
     plugins.plugins,
     schema.schema,
     reproduce.reproduce,
