@@ -65,13 +65,24 @@ def code_pages() -> dict[str, CodePage]:
 
 
 def coded(finding: Diagnostic) -> Diagnostic:
-    """Give an error its code, by what it says; one without a page stays as it is."""
+    """Give an error its code, by what it says; one without a page has none."""
+    finding = _marked(finding)
     if finding.code:
         return finding
     for code, pattern in _patterns():
         if pattern.match(finding.message):
             return replace(finding, code=code)
     return finding
+
+
+def _marked(finding: Diagnostic) -> Diagnostic:
+    """Mark the whole of a word that the finding quotes, if it stands at its place."""
+    if finding.width > 1:
+        return finding
+    rest = finding.excerpt[finding.column - 1 :] if finding.column else ""
+    words = re.findall(r"'([^']+)'", finding.message)
+    width = next((len(word) for word in words if rest.lstrip("'\"").startswith(word)), 1)
+    return replace(finding, width=width)
 
 
 @cache

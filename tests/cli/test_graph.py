@@ -128,8 +128,8 @@ def test_explanation_as_text_says_the_same(two_ships: Path) -> None:
 
     assert "ship_1 and ship_2: crossing: ship_1 gives way, ship_2 stands on" in text
     assert ARTICLE in text
-    assert "because the ship that comes from port gives way" in text
-    assert "tcpa_s" in text
+    assert "because The ship that comes from port gives way" in text
+    assert "ship_1.time_to_intersection < 900 s" in text
 
 
 def test_explanation_of_one_pair_is_of_that_pair() -> None:
