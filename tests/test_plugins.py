@@ -22,6 +22,8 @@ from ccas_core.priority import Edge, EdgeKind, Opening, PriorityGraph, settle
 from ccas_core.quantities import LENGTH
 from ccas_core.ships import UNKNOWN, FactValue, Ship, ShipId
 from ccas_core.tapd.assign import assign
+from ccas_core.tapd.case_run import judge_case
+from ccas_core.tapd.cases import Case, CaseShip
 from ccas_core.tapd.facts import PairFacts
 from ccas_core.tapd.python_rules import PairView, PythonRule, RoleDecision
 from ccas_core.tapd.ranking import RankingCriterion
@@ -731,6 +733,14 @@ def test_ruleset_that_raises_gives_a_conflict_and_so_the_safe_mutual_rule() -> N
     assert mine.reason == "the ruleset failed: ZeroDivisionError: no speed of a"
     assert settlement.mutual
     assert "ZeroDivisionError" in settlement.fallback
+
+
+def test_ruleset_that_raises_gives_a_conflict_for_cases_too() -> None:
+    case = Case(id="c", ships=(CaseShip(id=A, facts={}), CaseShip(id=B, facts={})))
+
+    judged = judge_case(Failing(), case)
+
+    assert judged.pair.one.reason == "the ruleset failed: ZeroDivisionError: no speed of a"
 
 
 def test_ruleset_that_answers_something_else_than_a_verdict_gives_a_conflict() -> None:
