@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -168,6 +169,36 @@ def test_every_hook_says_in_one_sentence_what_it_is_for() -> None:
     for name, hook in vars(hookspecs).items():
         if name.startswith("ccas_"):
             assert (hook.__doc__ or "").strip().endswith(".")
+
+
+def examples() -> dict[str, str]:
+    """Code under each heading of the guide."""
+    text = (Path(__file__).parents[1] / "docs" / "plugins.md").read_text(encoding="utf-8")
+    parts = re.findall(r"^## (\w+)$(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL)
+    return {
+        heading: "\n".join(re.findall(r"```python\n(.*?)```", part, re.DOTALL)) for heading, part in parts
+    }
+
+
+def test_every_hook_has_a_heading_in_the_guide_and_no_other_hook_is_there() -> None:
+    hooks = {name for name in vars(hookspecs) if name.startswith("ccas_")}
+
+    assert {heading for heading in examples() if heading.startswith("ccas_")} == hooks
+
+
+@pytest.mark.parametrize("hook", [name for name in vars(hookspecs) if name.startswith("ccas_")])
+def test_example_of_the_guide_is_a_plugin_that_works(hook: str) -> None:
+    def module() -> ModuleType:
+        made = ModuleType("example")
+        exec(examples()[hook], made.__dict__)  # noqa: S102 - our own page
+        return made
+
+    found = plugins.load([Point("example", module)])
+
+    assert found.failures == ()
+    assert found.hooks["example"] == (hook,)
+    for event in (ORDER, SWITCH, RING):
+        assert list(found.observers().tell(event)) == []
 
 
 def test_ccas_plugin_info_says_what_the_plugin_is() -> None:
