@@ -12,7 +12,7 @@ import pytest
 
 from ccas_core import plugins
 from ccas_core.tapd.case_run import run_case
-from ccas_core.tapd.coverage import coverage
+from ccas_core.tapd.coverage import covered
 from ccas_core.tapd.ruleset_schema import FILE_NAME, MODELINE
 from ccas_core.tapd.written import WrittenRuleset
 
@@ -42,8 +42,8 @@ def test_new_ruleset_passes_its_tests_and_has_nothing_to_remark(tmp_path: Path) 
     assert "next: ccas check" in done.stderr
     assert (ruleset.id, ruleset.title, ruleset.text.lineage) == ("my_river", "My river", ("common",))
     assert (failed(ruleset), ruleset.text.remarks) == ([], ())
-    covered = coverage(ruleset, ruleset.text.tests)
-    assert (covered.missed, covered.survivors) == ((), ())
+    found = covered(ruleset, ruleset.text.tests)
+    assert (found.missed, found.survivors) == ((), ())
 
 
 @pytest.mark.parametrize("base", ["bpr", "tran2026"])
