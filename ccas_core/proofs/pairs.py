@@ -115,6 +115,10 @@ def _both_ways(tally: Tally, questions: Questions, place: Place) -> None:
         what = kinds.get(rule.outcome.kind, f"both ships begin ({rule.outcome.kind})")
         return Fault(title=f"{what} by rule '{rule.id}'", rules=(rule,), kind="contradiction")
 
+    if (quick := questions.never(apply)) is not None:  # whatever stands before it in the ladder
+        tally.questions += 1
+        tally.methods.add(quick)
+        return
     tally.ask(questions, [*apply, before], lambda one, two: bool(agree(one, two)) and one.rule == rule.id, fault)
 
 

@@ -19,7 +19,8 @@ from .search import A, B, Facts, Goal, Ships, find, suggested
 from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonlinear
 from .symbols import Symbols, Term, View, constants_of
 
-ATTEMPTS: Final = 3  # models whose facts are tried
+ATTEMPTS: Final = 2  # models whose facts are tried
+GLANCE: Final = 0.4  # for a nonlinear question, before ships are looked for [s]
 # Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all quantities of
 # motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
@@ -65,24 +66,9 @@ class Questions:
         for ladder, ruleset in ((self.own, self.rulesets[0]), (self.other, self.rulesets[1])):
             domain = ruleset.text.domain
             found += [view.term(f) for view in (ladder.view, ladder.view.swapped) for f in domain.assume]
-        found += self._numbers(self.rulesets[0].text)
+        found += bounds_of(self.rulesets[0].text, self.symbols)
         if self.free:
             found += _ranges(self.symbols, self.rulesets[0].text)
-        return found
-
-    def _numbers(self, text: RulesetText) -> list[Term]:
-        """Bounds of numeric facts that some condition looks at."""
-        asked = {name for atom in self.symbols.atoms for name in atom.variables}
-        found = []
-        for name in sorted(asked):
-            owner, _, fact = name.partition(".")
-            known = text.vocabulary.find(Scope.SHIP, fact)
-            if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
-                continue
-            low, high = text.domain.length if fact == "length" else (0, None)
-            found.append(self.symbols.sign(variable(name) - number(low), frozenset({0, 1})))
-            if high is not None:
-                found.append(self.symbols.sign(number(high) - variable(name), frozenset({0, 1})))
         return found
 
     def motion_domain(self, domain: Domain) -> list[Term]:
@@ -100,6 +86,11 @@ class Questions:
         place = (variable("B.x"), variable("B.y"))
         apart = dot(place, place) - number(domain.separation * domain.separation)
         return [*found, self.symbols.sign(apart, frozenset({0, 1}))]
+
+    def never(self, terms: Sequence[Term]) -> str | None:
+        """By which reasoning terms can never hold together, if cheap reasoning shows it."""
+        answer = ask_linear(self.symbols, [*terms, *self.domain()], self.budget)
+        return answer.method if answer.impossible else None
 
     def settled(
         self,
@@ -122,30 +113,47 @@ class Questions:
             return find(rulesets or self.rulesets, facts, goal)
 
         asked = [*terms, *self.domain()]
-        other: list[Term] = []
+        answer = ask_linear(self.symbols, asked, self.budget)
+        if answer.impossible:
+            return Found.IMPOSSIBLE, answer.method, None
+        answer = ask_nonlinear(self.symbols, asked, self.budget, GLANCE)
+        if answer.impossible:
+            return Found.IMPOSSIBLE, answer.method, None
+        other = list(self.symbols.known.values())  # facts that are known are tried first
         for _ in range(ATTEMPTS):
             answer = ask_linear(self.symbols, [*asked, *other], self.budget)
-            if answer.impossible and not other:
-                return Found.IMPOSSIBLE, answer.method, None
+            if answer.impossible and self.symbols.known:
+                other = other[len(self.symbols.known) :]
+                answer = ask_linear(self.symbols, [*asked, *other], self.budget)
             if (found := ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
             if not answer.flags:
                 break
             other.append(_other_facts(answer))
-            if len(other) == 1:
-                answer = ask_nonlinear(self.symbols, asked, self.budget, NONLINEAR_LIMIT)
-                if answer.impossible:
-                    return Found.IMPOSSIBLE, answer.method, None
-                if (found := ships(answer)) is not None:
-                    return Found.POSSIBLE, answer.method, found
-        inside = self.motion_domain(self.rulesets[0].text.domain)
-        answer = ask_nonlinear(self.symbols, [*asked, *inside], self.budget, NONLINEAR_LIMIT)
-        if answer.impossible:
-            return Found.IMPOSSIBLE, answer.method, None
-        if (found := ships(answer)) is not None:
-            return Found.POSSIBLE, answer.method, found
+        for inside in ([], self.motion_domain(self.rulesets[0].text.domain)):
+            answer = ask_nonlinear(self.symbols, [*asked, *inside], self.budget, NONLINEAR_LIMIT)
+            if answer.impossible:
+                return Found.IMPOSSIBLE, answer.method, None
+            if (found := ships(answer)) is not None:
+                return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None
+
+
+def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
+    """Bounds of numeric facts that some condition looks at."""
+    asked = {name for atom in symbols.atoms for name in atom.variables}
+    found = []
+    for name in sorted(asked):
+        owner, _, fact = name.partition(".")
+        known = text.vocabulary.find(Scope.SHIP, fact)
+        if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
+            continue
+        low, high = text.domain.length if fact == "length" else (0, None)
+        found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
+        if high is not None:
+            found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
+    return found
 
 
 def _other_facts(answer: Answer) -> Term:

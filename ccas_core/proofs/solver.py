@@ -76,7 +76,7 @@ def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget) -> Answe
         return OUT_OF_TIME
     atoms = atoms_in(symbols, terms)
     return _asked(
-        [*symbols.axioms(), *terms, *symbols.linear(atoms), *_squares(atoms)], budget, LINEAR_LIMIT, LINEAR
+        [*symbols.axioms(terms), *terms, *symbols.linear(atoms), *_squares(atoms)], budget, LINEAR_LIMIT, LINEAR
     )
 
 
@@ -85,7 +85,7 @@ def ask_nonlinear(symbols: Symbols, terms: Sequence[Term], budget: Budget, limit
     if budget.spent:
         return OUT_OF_TIME
     meaning = symbols.nonlinear(atoms_in(symbols, terms))
-    return _asked([*symbols.axioms(), *terms, *meaning], budget, limit, NONLINEAR)
+    return _asked([*symbols.axioms(terms), *terms, *meaning], budget, limit, NONLINEAR)
 
 
 def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str) -> Answer:

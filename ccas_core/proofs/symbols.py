@@ -9,6 +9,7 @@ only; or as it is.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -62,6 +63,8 @@ class Symbols:
     choices: dict[str, tuple[str, ...]] = field(default_factory=dict)  # facts with words, and their words
     known: dict[str, Term] = field(default_factory=dict)  # facts of which a condition asks whether they are known
     fixed: dict[str, Polynomial] = field(default_factory=dict)  # values put in the place of variables
+    _names: dict[int, tuple[Term, frozenset[str]]] = field(default_factory=dict)  # of terms, kept with them
+    _linear: dict[Polynomial, tuple[Term, Term]] = field(default_factory=dict)
 
     def flag(self, name: str) -> Term:
         """A fact that is true or false."""
@@ -100,10 +103,13 @@ class Symbols:
         (only,) = signs
         return terms[only]
 
-    def axioms(self) -> list[Term]:
-        """What holds of every fact: one value each, where it is known; no polynomial has two signs."""
-        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms.values()]
+    def axioms(self, terms: Iterable[Term]) -> list[Term]:
+        """What holds of the facts in some terms: one value each, where it is known; no polynomial has two signs."""
+        names = self.names(terms)
+        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms_of(names)]
         for fact, words in self.choices.items():
+            if not any(f"{fact}={word}" in names for word in words) and f"known({fact})" not in names:
+                continue
             values = [self.flag(f"{fact}={word}") for word in words]
             one = z3.PbEq([(value, 1) for value in values], 1)
             if fact in self.known:
@@ -112,9 +118,34 @@ class Symbols:
                 found.append(one)
         return found
 
+    def names(self, terms: Iterable[Term]) -> set[str]:
+        """Names of all variables in some terms."""
+        return {name for term in terms for name in self._names_in(term)}
+
+    def _names_in(self, term: Term) -> frozenset[str]:
+        key = term.get_id()
+        if key not in self._names:
+            children = term.children()
+            found = {name for child in children for name in self._names_in(child)}
+            self._names[key] = term, frozenset(found or {term.decl().name()})
+        return self._names[key][1]
+
+    def atoms_of(self, names: AbstractSet[str]) -> list[Atom]:
+        """Atoms of which a proxy is among some names."""
+        return [
+            each
+            for each in self.atoms.values()
+            if each.positive.decl().name() in names or each.negative.decl().name() in names
+        ]
+
     def linear(self, atoms: Iterable[Atom]) -> list[Term]:
         """What the proxies mean, with a variable for each monomial: true of all ships, and of more than that."""
-        return [part for atom in atoms for part in _meaning(atom, _linear_term(atom.polynomial))]
+        found = []
+        for atom in atoms:
+            if atom.polynomial not in self._linear:
+                self._linear[atom.polynomial] = _meaning(atom, _linear_term(atom.polynomial))
+            found += self._linear[atom.polynomial]
+        return found
 
     def nonlinear(self, atoms: Iterable[Atom]) -> list[Term]:
         """What the proxies mean, as it is."""
@@ -337,18 +368,7 @@ def kinds(text: RulesetText) -> Mapping[str, Kind]:
 
 def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
     """Atoms whose proxies occur in some terms."""
-    names: set[str] = set()
-    seen: set[int] = set()
-    stack = list(terms)
-    while stack:
-        term = stack.pop()
-        if (key := term.get_id()) in seen:
-            continue
-        seen.add(key)
-        if z3.is_const(term):
-            names.add(str(term))
-        stack.extend(term.children())
-    return [each for each in symbols.atoms.values() if str(each.positive) in names or str(each.negative) in names]
+    return symbols.atoms_of(symbols.names(terms))
 
 
 def at(value: Fraction | int) -> Polynomial:

@@ -218,8 +218,8 @@ def _differences(judged: Judged, expected: Expected, *, hard: bool) -> Iterator[
         yield from _group_differences(judged, expected)
         return
     got = told(judged)
-    for name in ("kind", "give_way", "stand_on", "pass", "strength", "side_chosen_by", "must_follow", "facilitates",
-                 "required_manoeuvre", "initiator", "by", "article"):  # fmt: skip
+    for name in ("kind", "give_way", "stand_on", "pass", "strength", "side_chosen_by", "must_follow",
+                 "facilitates", "required_manoeuvre", "initiator", "by", "article"):  # fmt: skip
         wanted = _stated(expected, name)
         if wanted is None:
             continue

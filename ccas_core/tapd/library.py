@@ -1,4 +1,7 @@
-"""Rulesets by id, each read when it is first asked for; a file that cannot be understood makes its ruleset unavailable."""
+"""Rulesets by id, each read when it is first asked for.
+
+A file that cannot be understood makes its ruleset unavailable, and no other.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Rules in plain Python, for what a condition cannot say: a function of a pair, at a place of a ladder.
 
-The function takes a `PairView` and returns what own ship does, or None where it has nothing to say.  It is asked
-from both sides; what it returns with the ships swapped is turned round for own ship.
+The function takes a `PairView` and returns what own ship does, or None where it has nothing to say.  It is
+asked from both sides; what it returns with the ships swapped is turned round for own ship.
 """
 
 from __future__ import annotations

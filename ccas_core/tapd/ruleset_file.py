@@ -14,10 +14,13 @@ from ..errors import Diagnostic, RulesetError, did_you_mean
 from ..findings import read_text
 from ..strict_yaml import Reader
 from ..verdict import Citation, Kind
-from ..yaml_nodes import Node, Scalar
+from ..yaml_nodes import Node
+from .ladder import Ladder, Slot
 from .language import syntax
-from .language.compiler import Compiler, Definition, Parameter
+from .language.compiler import BUILT_IN, Compiler, Definition, Parameter
 from .language.formula import FALSE, Formula, all_of, any_of, facts_of, negated
+from .python_rules import PythonRule
+from .ranking import RankingCriterion
 from .rules import (
     DEFAULT_ORDER,
     Criterion,
@@ -34,23 +37,18 @@ from .rules import (
     Source,
     Waiver,
 )
-from .python_rules import PythonRule
-from .ranking import RankingCriterion
 from .ruleset_draft import (
-    RECOGNITION,
     SCHEMA,
     Condition,
     Draft,
-    DraftRule,
-    Exception_,
-    head_of,
-    read_draft,
+    Unless,
     refuse,
 )
-from .vocabulary import VOCABULARY, Vocabulary
+from .ruleset_reader import RECOGNITION, head_of, read_draft
+from .vocabulary import VOCABULARY, Scope, Vocabulary
 from .written import WrittenRuleset
 
-__all__ = ["SCHEMA", "load_ruleset", "parse_ruleset", "read_text_of", "head_of", "Library"]
+__all__ = ["SCHEMA", "Library", "head_of", "load_ruleset", "parse_ruleset", "read_text_of"]
 
 MAX_BASES: Final = 10
 
@@ -150,14 +148,6 @@ def _base(name: str, beside: Path, library: Library | None) -> tuple[str, str]:
 
 
 @dataclass(slots=True)
-class _Slot:
-    """A rule in the ladder that is being put together."""
-
-    rule: DraftRule
-    citation: Citation
-
-
-@dataclass(slots=True)
 class _Weaver:
     """Merges drafts from the most basic on, and compiles the result."""
 
@@ -165,7 +155,7 @@ class _Weaver:
     vocabulary: Vocabulary
     python: frozenset[str]
     criteria: frozenset[str]
-    ladder: list[_Slot] = field(default_factory=list)
+    ladder: Ladder = field(default_factory=Ladder)
     findings: dict[int, Reader] = field(default_factory=dict)  # by the reader of a base
     compiler: Compiler = field(init=False)
 
@@ -178,7 +168,7 @@ class _Weaver:
             definitions |= draft.definitions
             parameters |= draft.parameters
             regimes |= draft.regimes
-            self._stack(draft)
+            self.ladder.stack(draft)
         self.compiler = Compiler(
             vocabulary=self.vocabulary,
             parameters={name: each for name, (each, _) in parameters.items()},
@@ -190,7 +180,7 @@ class _Weaver:
             self._definition(name, condition)
         recognition = self._recognition()
         gates = self._gates()
-        rules = tuple(self._rule(slot, gates) for slot in self.ladder)
+        rules = tuple(self._rule(slot, gates) for slot in self.ladder.slots)
         otherwise = next((d.otherwise for d in reversed(self.drafts) if d.otherwise), None)
         if otherwise is None and not last.abstract:
             hint = "otherwise: {cite: {article: …}}, say the article on general care"
@@ -247,67 +237,6 @@ class _Weaver:
         if told:
             raise RulesetError(*told)
 
-    # -- the ladder ------------------------------------------------------------------------------
-
-    def _stack(self, draft: Draft) -> None:
-        """Put the rules of a draft into the ladder of its bases."""
-        for name in draft.removed:
-            at = self._place(draft, name, "removed")
-            if at is not None:
-                del self.ladder[at]
-        inherited = bool(self.ladder)
-        last_placed: int | None = None
-        for rule in draft.rules:
-            at = last_placed
-            if rule.replaces is not None:
-                at = self._place(draft, rule.replaces, "replaced")
-                if at is None:
-                    continue
-                if rule.id != rule.replaces.text and self._is_taken(draft, rule):
-                    continue
-                self.ladder[at] = _Slot(rule, rule.citation)
-                last_placed = at
-                continue
-            if self._is_taken(draft, rule):
-                continue
-            if rule.before is not None or rule.after is not None:
-                near = self._place(draft, rule.before or rule.after, "found")
-                if near is None:
-                    continue
-                at = near - 1 if rule.before is not None else near
-            elif last_placed is None and inherited:
-                hint = "say 'before: ID', 'after: ID' or 'replaces: ID'; rules that follow stand behind it"
-                draft.reader.refuse(
-                    rule.node, f"where in the ladder of the base does '{rule.id}' stand?", hint=hint
-                )
-                continue
-            at = len(self.ladder) - 1 if at is None else at
-            self.ladder.insert(at + 1, _Slot(rule, rule.citation))
-            last_placed = at + 1
-        for id_, (citation, node) in draft.recited.items():
-            at = self._place(draft, Scalar(node.line, node.column, id_), "cited anew")
-            if at is not None:
-                self.ladder[at].citation = citation
-
-    def _is_taken(self, draft: Draft, rule: DraftRule) -> bool:
-        for slot in self.ladder:
-            if slot.rule.id == rule.id:
-                hint = f"say 'replaces: {rule.id}' to put this in its place, or rename it"
-                draft.reader.refuse(rule.node, f"the base has a rule '{rule.id}' already", hint=hint)
-                return True
-        return False
-
-    def _place(self, draft: Draft, name: Scalar | None, what: str) -> int | None:
-        assert name is not None  # noqa: S101
-        ids = [slot.rule.id for slot in self.ladder]
-        if name.text in ids:
-            return ids.index(name.text)
-        hint = did_you_mean(name.text[:60], ids)
-        draft.reader.refuse(
-            name, f"there is no rule '{name.text[:60]}' to be {what}", hint=hint, width=len(name.text)
-        )
-        return None
-
     # -- conditions ------------------------------------------------------------------------------
 
     def _names_apart(
@@ -315,11 +244,18 @@ class _Weaver:
         definitions: Mapping[str, tuple[Definition, Condition]],
         parameters: Mapping[str, tuple[Parameter, Node]],
     ) -> None:
-        for name in definitions.keys() & parameters.keys():
+        for name in sorted(definitions.keys() & parameters.keys()):
             condition = definitions[name][1]
             self._reader(condition.reader).refuse(
                 condition.node, f"'{name}' is a parameter and a definition", hint="rename one of the two"
             )
+        taken = {*BUILT_IN, *self.vocabulary.places[Scope.PAIR]}
+        for draft in self.drafts:
+            places = {name: condition.node for name, (_, condition) in draft.definitions.items()}
+            places |= {name: node for name, (_, node) in draft.parameters.items()}
+            for name in sorted(places.keys() & taken):
+                hint = "rename it: the word has a meaning already, see `ccas facts`"
+                self._reader(draft.reader).refuse(places[name], f"'{name}' cannot be defined", hint=hint)
 
     def _definition(self, name: str, condition: Condition) -> None:
         try:
@@ -348,7 +284,7 @@ class _Weaver:
     def _gates(self) -> list[tuple[Draft, Gate]]:
         gates = []
         seen: dict[str, Draft] = {}
-        ids = [slot.rule.id for slot in self.ladder]
+        ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
                 if gate.id in seen:
@@ -378,7 +314,7 @@ class _Weaver:
                 )
         return gates
 
-    def _rule(self, slot: _Slot, gates: list[tuple[Draft, Gate]]) -> Rule:
+    def _rule(self, slot: Slot, gates: list[tuple[Draft, Gate]]) -> Rule:
         draft = slot.rule
         parts = [
             *(Part("where", self._where(each)) for each in draft.where),
@@ -414,7 +350,7 @@ class _Weaver:
             self._reader(condition.reader).refuse(condition.node, "'where' is about waters only", hint=hint)
         return formula
 
-    def _exception(self, exception: Exception_) -> Formula:
+    def _exception(self, exception: Unless) -> Formula:
         met = all_of(self._formula(each) for each in exception.when)
         return all_of([met, negated(any_of(self._exception(each) for each in exception.unless))])
 
