@@ -20,6 +20,9 @@ DOCUMENTS = (
     "README.md",
     "CONTRIBUTING.md",
     "plugins/example_harbour/README.md",
+    "docs/plugins.md",
+    "docs/ruleset-format.md",
+    "docs/write-a-ruleset.md",
     *(f"{folder}/README.md" for folder in FOLDERS),
 )
 

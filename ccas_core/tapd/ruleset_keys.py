@@ -17,7 +17,8 @@ from ..verdict import Confidence
 from ..verdict import Kind as VerdictKind
 from .cases import DIAGNOSES
 from .rules import Criterion, Diagnosis, Mirror, Policy, Side, Strength
-from .ruleset_draft import SCHEMA, Passing, Then
+from .ruleset_draft import SCHEMA
+from .ruleset_reader import Passing, Then
 
 
 class Shape(Enum):

@@ -12,8 +12,8 @@ import pytest
 
 import ccas_rulesets
 from ccas_core.strict_yaml import Block, Reader
-from ccas_core.tapd.ruleset_draft import read_draft
 from ccas_core.tapd.ruleset_keys import BLOCKS, reference
+from ccas_core.tapd.ruleset_reader import read_draft
 from ccas_core.tapd.ruleset_schema import ruleset_schema
 from ccas_core.tapd.vocabulary import VOCABULARY, Scope
 from ccas_core.yaml_nodes import Mapping as Keys
