@@ -18,10 +18,17 @@ FORMAT = HERE / "ruleset-format.md"
 KEYS = re.compile(
     r"(?<=<!-- keys: made by docs/make_reference.py -->\n).*(?=\n<!-- end of keys -->)", re.DOTALL
 )
+
+
+def format_page() -> str:
+    """Put the tables of keys into the page on the format, in place of those that are there."""
+    return KEYS.sub(lambda _: reference(), FORMAT.read_text(encoding="utf-8"))
+
+
 PAGES = {
     HERE / "facts.md": lambda: facts_page(VOCABULARY),
     HERE / "codes.md": lambda: codes_page(code_pages().values()),
-    FORMAT: lambda: KEYS.sub(lambda _: reference(), FORMAT.read_text(encoding="utf-8")),
+    FORMAT: format_page,
 }
 
 if __name__ == "__main__":

@@ -21,7 +21,6 @@ DOCUMENTS = (
     "CONTRIBUTING.md",
     "plugins/example_harbour/README.md",
     "docs/plugins.md",
-    "docs/ruleset-format.md",
     "docs/write-a-ruleset.md",
     *(f"{folder}/README.md" for folder in FOLDERS),
 )
