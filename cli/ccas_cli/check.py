@@ -89,7 +89,12 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
     from ccas_core.sim import scenario_file
     from ccas_core.tapd.ruleset_draft import SCHEMA
 
-    scenario = partial(scenario_file.parse_scenario, rulesets=plugins.rulesets)
+    scenario = partial(
+        scenario_file.parse_scenario,
+        rulesets=plugins.rulesets,
+        regions=plugins.regions,
+        vocabulary=plugins.vocabulary,
+    )
 
     def check_scenario(text: str, source: str) -> Iterable[Diagnostic]:
         scenario(text, source)

@@ -13,11 +13,9 @@ from . import inputs, talk
 from .exits import Code
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ccas_core.dmpc.solvers import AbstractLocalSolver
+    from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
-    from ccas_core.tapd.ruleset import AbstractRuleset
 
     from .sailing import Sailed
 
@@ -69,7 +67,7 @@ def simulate(
     found = inputs.read_scenario(scenario, plugins, ruleset)
     name = solver or DEFAULT_SOLVER
     local_solver = make_solver(name)
-    sailed = _sail(found, plugins.rulesets, (name, local_solver), out or default_folder(found.name), quiet)
+    sailed = _sail(found, plugins, (name, local_solver), out or default_folder(found.name), quiet)
     if as_json:
         talk.show_json(sailed.summary)
     else:
@@ -96,7 +94,7 @@ def default_folder(name: str) -> Path:
 
 def _sail(
     scenario: Scenario,
-    rulesets: Mapping[str, AbstractRuleset],
+    plugins: Plugins,
     solver: tuple[str, AbstractLocalSolver],
     folder: Path,
     quiet: bool,
@@ -105,7 +103,7 @@ def _sail(
 
     began = time.perf_counter()
     with watched(scenario, quiet=quiet) as watcher:
-        sailed = sail(scenario, rulesets, *solver, folder, watcher)
+        sailed = sail(scenario, plugins, *solver, folder, watcher)
     if not quiet:
         seconds = time.perf_counter() - began
         talk.note(f"{scenario.name}: sailed {sailed.until:.0f} s in {seconds:.1f} s")
