@@ -83,6 +83,13 @@ def with_rule(rule: str) -> str:
     return f"{HEAD}{ENCOUNTER}{RULES}{indented}\n{OTHERWISE}"
 
 
+def with_first_rule(rule: str) -> str:
+    """The small ruleset with one more rule before all others."""
+    text = with_rule(rule)
+    added = text[text.index(RULES) + len(RULES) : text.index(OTHERWISE)]
+    return text.replace(added, "").replace("rules:\n", "rules:\n" + added)
+
+
 def overlay(rest: str = "", *, base: str = "small") -> str:
     """A ruleset that extends another."""
     return (
