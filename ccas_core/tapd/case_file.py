@@ -21,7 +21,7 @@ from ..ships import UNKNOWN, ShipId
 from ..strict_yaml import Reader
 from ..units import DEGREE
 from ..yaml_nodes import Mapping as Keys
-from ..yaml_nodes import Node, Scalar, Sequence
+from ..yaml_nodes import Node, Scalar, Sequence, is_missing
 from .case_expected import ExpectationReader
 from .cases import Case, CaseShip
 from .vocabulary import VOCABULARY, Fact, Scope, Vocabulary
@@ -205,7 +205,7 @@ class _CaseReader:
             pose, speed, rest = self._kinematics(value)
             facts |= self.facts(rest, Scope.SHIP)
             ships.append(CaseShip(id=ShipId(key.text), facts=facts, pose=pose, speed=speed))
-        if node is not None and len(entries) < least:
+        if node is not None and not is_missing(node) and len(entries) < least:
             reader.refuse(node, f"{len(entries)} ship(s)", expected=f"at least {least}")
         return tuple(ships)
 
