@@ -68,7 +68,9 @@ def _examples(
                 tally.methods.add(method)
             return
         if ships is None:
-            tally.open.append(f"{what}: {method}" + (f"; besides {len(seen)} that were found" if seen else ""))
+            tally.open.append(
+                f"{what}: {method}" + (f"; besides {len(seen)} that were found" if seen else "")
+            )
             return
         rules = ships.verdicts[0].rule, ships.verdicts[1].rule
         seen.add(rules)
@@ -96,12 +98,8 @@ def against(new: WrittenRuleset, old: WrittenRuleset, budget: Budget) -> Finding
     for ships in _examples_by_rule(tally, questions, before, terms, seen):
         a, b = ships.verdicts
         was = OPPOSITE.get(b.kind, b.kind)
-        title = (
-            f"{was} by '{b.rule or 'no rule'}' ({b.article}) is now {a.kind} by '{a.rule or 'no rule'}' ({a.article})"
-        )
-        rules = tuple(
-            ruleset.text.rule(view.rule) for ruleset, view in ((new, a), (old, b)) if view.rule
-        )
+        title = f"{was} by '{b.rule or 'no rule'}' ({b.article}) is now {a.kind} by '{a.rule or 'no rule'}' ({a.article})"
+        rules = tuple(ruleset.text.rule(view.rule) for ruleset, view in ((new, a), (old, b)) if view.rule)
         tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="difference"))
     return tally.finding("against")
 

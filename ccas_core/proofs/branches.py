@@ -142,7 +142,9 @@ class Amount(Symbol):
         super().__init__(oracle)
         self._value = value
 
-    def _with(self, other: object, join: Callable[[Polynomial, Polynomial], Polynomial], *, turned: bool = False) -> Amount:
+    def _with(
+        self, other: object, join: Callable[[Polynomial, Polynomial], Polynomial], *, turned: bool = False
+    ) -> Amount:
         there = _polynomial(other)
         return Amount(self._oracle, join(there, self._value) if turned else join(self._value, there))
 
@@ -246,7 +248,9 @@ class SymbolicPair:
 
     def __init__(self, text: RulesetText, oracle: Oracle) -> None:
         self._text, self._oracle = text, oracle
-        self.own, self.other, self.waterway = (SymbolicShip(self, side) for side in ("own", "other", "waterway"))
+        self.own, self.other, self.waterway = (
+            SymbolicShip(self, side) for side in ("own", "other", "waterway")
+        )
 
     def fact(self, owner: str, name: str) -> Symbol:
         """A fact of a ship or of the waterway."""
@@ -363,8 +367,12 @@ def unfolded(ruleset: WrittenRuleset) -> tuple[WrittenRuleset, tuple[str, ...]]:
         for outcome in dict.fromkeys(way.outcome for way in ways):
             way = any_of(each.condition for each in ways if each.outcome == outcome)
             parts = (*rule.parts, Part("python", way))
-            plain = replace(rule, condition=all_of([rule.condition, way]), parts=parts, outcome=outcome, python="")
+            plain = replace(
+                rule, condition=all_of([rule.condition, way]), parts=parts, outcome=outcome, python=""
+            )
             rules.append(plain)
-    if len(rules) == len(ruleset.text.rules) and all(a is b for a, b in zip(rules, ruleset.text.rules, strict=True)):
+    if len(rules) == len(ruleset.text.rules) and all(
+        a is b for a, b in zip(rules, ruleset.text.rules, strict=True)
+    ):
         return ruleset, tuple(left)
     return Unfolded(ruleset, replace(ruleset.text, rules=tuple(rules))), tuple(left)

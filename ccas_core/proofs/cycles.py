@@ -72,7 +72,9 @@ def acyclic(
     """
     tally = Tally()
     shapes: Sequence[Shape]
-    shapes = [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
+    shapes = (
+        [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
+    )
     for shape in shapes:
         _search(tally, ruleset, shape, budget, max_ships)
     if tally.faults:
@@ -173,7 +175,9 @@ def _features(text: RulesetText, view: View) -> Iterator[tuple[str, tuple[Term, 
                     yield label, (view.term(here), view.swapped.term(here))
 
 
-_OF_PAIRS: Final = frozenset({"geometry", "overtaker", "has_other_on_starboard", "risk_of_collision", "rx", "ry"})
+_OF_PAIRS: Final = frozenset(
+    {"geometry", "overtaker", "has_other_on_starboard", "risk_of_collision", "rx", "ry"}
+)
 
 
 def _deciding_number(text: RulesetText, symbols: Symbols, never: Any, *, reach: bool) -> str | None:
@@ -309,7 +313,12 @@ def _group(
 
 def _facts(rng: np.random.Generator, text: RulesetText, ships: Iterable[str], *, alike: bool) -> Facts:
     """Facts of a group: large motor ships that are all alike, or what the conditions look at, at random."""
-    asked = {name.partition(".")[2] for rule in text.rules for name in facts_of(rule.condition) if name[:4] in ("own.", "othe")}
+    asked = {
+        name.partition(".")[2]
+        for rule in text.rules
+        for name in facts_of(rule.condition)
+        if name[:4] in ("own.", "othe")
+    }
     waterway: dict[str, Any] = {}
     if rng.random() < 0.5:
         waterway |= {"type": "lake", "upstream_defined": False}
@@ -330,4 +339,3 @@ def _facts(rng: np.random.Generator, text: RulesetText, ships: Iterable[str], *,
                     facts[fact.name] = str(rng.choice(fact.choices))
         by_ship[ship] = facts
     return Facts(by_ship, waterway, {})
-

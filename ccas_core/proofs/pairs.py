@@ -56,9 +56,7 @@ class Tally:
             notes=tuple(self.notes),
         )
 
-    def ask(
-        self, questions: Questions, terms: list[Term], goal: Goal, fault: Callable[[], Fault]
-    ) -> Found:
+    def ask(self, questions: Questions, terms: list[Term], goal: Goal, fault: Callable[[], Fault]) -> Found:
         """Ask one question; ships that come of it make a fault."""
         self.questions += 1
         found, method, ships = questions.settled(terms, goal)
@@ -126,7 +124,9 @@ def _both_ways(tally: Tally, questions: Questions, place: Place, other_way: Plac
         tally.questions += 1
         tally.methods.add(quick)
         return
-    tally.ask(questions, [*apply, before], lambda one, two: bool(agree(one, two)) and one.rule == rule.id, fault)
+    tally.ask(
+        questions, [*apply, before], lambda one, two: bool(agree(one, two)) and one.rule == rule.id, fault
+    )
 
 
 def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) -> None:
@@ -140,7 +140,9 @@ def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) 
             tally.ask(
                 questions,
                 [own.decides(one), other.decides(two)],
-                lambda a, b, one=one, two=two: (a.rule, b.rule) == (one.rule.id, two.rule.id) and bool(agree(a, b)),  # type: ignore[misc]
+                lambda a, b, one=one, two=two: (
+                    (a.rule, b.rule) == (one.rule.id, two.rule.id) and bool(agree(a, b))
+                ),  # type: ignore[misc]
                 lambda rules=rules, kinds=kinds: Fault(  # type: ignore[misc]
                     title=f"one ship sees {kinds}", rules=rules, kind="contradiction"
                 ),
@@ -217,7 +219,8 @@ def no_dead_rule(questions: Questions) -> Finding:
             continue
         tally.questions += 1
         found, method, ships = questions.settled(
-            [own.decides(place)], lambda one, two, rule=rule: rule.id in (one.rule, two.rule)  # type: ignore[misc]
+            [own.decides(place)],
+            lambda one, two, rule=rule: rule.id in (one.rule, two.rule),  # type: ignore[misc]
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' can never decide", rules=(rule,), kind="dead rule")
@@ -259,9 +262,7 @@ def no_irrelevant_rule(questions: Questions) -> Finding:
 
 def _needed(ruleset: WrittenRuleset) -> frozenset[str]:
     """Rules without which a test fails."""
-    tests = [
-        case for case in ruleset.text.tests if run_case(ruleset, case, case.expected[ruleset.id]).passed
-    ]
+    tests = [case for case in ruleset.text.tests if run_case(ruleset, case, case.expected[ruleset.id]).passed]
     found = set()
     for index, rule in enumerate(ruleset.text.rules):
         mutant = ruleset.mutated(index, negated=False)
@@ -324,7 +325,10 @@ def mirror_sound(questions: Questions) -> Finding:
     ]
     for title, terms in asked:
         tally.ask(
-            questions, terms, _seen_differently, lambda title=title: Fault(title=title, kind="contradiction")  # type: ignore[misc]
+            questions,
+            terms,
+            _seen_differently,
+            lambda title=title: Fault(title=title, kind="contradiction"),  # type: ignore[misc]
         )
     return tally.finding("mirror_sound")
 
@@ -382,11 +386,17 @@ def parameters(ruleset: WrittenRuleset, budget: Budget) -> Finding:
     for finding in (consistent(questions), mirror_sound(questions)):
         tally.questions += 1
         tally.methods.add(LINEAR if finding.outcome is Outcome.PROVED else finding.method)
-        known = [fault for fault in finding.faults if fault.rules and fault.rules[0].outcome.kind is Kind.CONFLICT]
+        known = [
+            fault for fault in finding.faults if fault.rules and fault.rules[0].outcome.kind is Kind.CONFLICT
+        ]
         tally.faults += [fault for fault in finding.faults if fault not in known]
         tally.open += list(finding.open)
     finding = tally.finding("parameters")
-    return finding if tally.faults or tally.open else tally.finding("parameters", f"for all of {', '.join(ranged)}")
+    return (
+        finding
+        if tally.faults or tally.open
+        else tally.finding("parameters", f"for all of {', '.join(ranged)}")
+    )
 
 
 def steady(questions: Questions) -> Iterator[str]:
@@ -394,5 +404,3 @@ def steady(questions: Questions) -> Iterator[str]:
     for rule in questions.rulesets[0].text.rules:
         if rule.python:
             yield rule.id
-
-

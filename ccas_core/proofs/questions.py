@@ -158,7 +158,9 @@ def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
 
 def _other_facts(answer: Answer) -> Term:
     """That some fact is not as in an answer."""
-    facts = {name: value for name, value in answer.flags.items() if "." in name and not name.startswith("known(")}
+    facts = {
+        name: value for name, value in answer.flags.items() if "." in name and not name.startswith("known(")
+    }
     return z3.Or([z3.Bool(name) != value for name, value in sorted(facts.items())] or [z3.BoolVal(False)])  # noqa: FBT003
 
 
@@ -183,5 +185,3 @@ def _ranges(symbols: Symbols, text: RulesetText) -> list[Term]:
             found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
             found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
     return found
-
-

@@ -89,7 +89,9 @@ def _round(value: Fraction, fact: str) -> float:
     return float(near if fact != "passengers_max" and math.floor(near) == math.floor(value) else value)
 
 
-def case_of(facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships") -> Case:
+def case_of(
+    facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships"
+) -> Case:
     """A case from facts and, by ship, north, east [m], course [deg] and speed [m/s]."""
     ships = tuple(
         CaseShip(
@@ -175,7 +177,9 @@ def find(
                 break
     if not hits:
         return None
-    return max((replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin)
+    return max(
+        (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin
+    )
 
 
 def _reaches(

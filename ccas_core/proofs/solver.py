@@ -76,7 +76,10 @@ def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget) -> Answe
         return OUT_OF_TIME
     atoms = atoms_in(symbols, terms)
     return _asked(
-        [*symbols.axioms(terms), *terms, *symbols.linear(atoms), *_squares(atoms)], budget, LINEAR_LIMIT, LINEAR
+        [*symbols.axioms(terms), *terms, *symbols.linear(atoms), *_squares(atoms)],
+        budget,
+        LINEAR_LIMIT,
+        LINEAR,
     )
 
 
@@ -112,7 +115,9 @@ def _squares(atoms: Sequence[Atom]) -> list[Term]:
     found = {}
     for atom in atoms:
         for monomial, _ in atom.polynomial.terms:
-            if len(monomial) % 2 == 0 and all(a == b for a, b in zip(monomial[::2], monomial[1::2], strict=True)):
+            if len(monomial) % 2 == 0 and all(
+                a == b for a, b in zip(monomial[::2], monomial[1::2], strict=True)
+            ):
                 found["*".join(monomial)] = None
     return [z3.Real(name) >= 0 for name in found if name]
 

@@ -59,9 +59,13 @@ class Symbols:
     """
 
     atoms: dict[Polynomial, Atom] = field(default_factory=dict)
-    flags: dict[str, Term] = field(default_factory=dict)  # "A.ferry", "A.propulsion=sail", "waterway.regime=x"
+    flags: dict[str, Term] = field(
+        default_factory=dict
+    )  # "A.ferry", "A.propulsion=sail", "waterway.regime=x"
     choices: dict[str, tuple[str, ...]] = field(default_factory=dict)  # facts with words, and their words
-    known: dict[str, Term] = field(default_factory=dict)  # facts of which a condition asks whether they are known
+    known: dict[str, Term] = field(
+        default_factory=dict
+    )  # facts of which a condition asks whether they are known
     fixed: dict[str, Polynomial] = field(default_factory=dict)  # values put in the place of variables
     _names: dict[int, tuple[Term, frozenset[str]]] = field(default_factory=dict)  # of terms, kept with them
     _linear: dict[Polynomial, tuple[Term, Term]] = field(default_factory=dict)
@@ -113,7 +117,10 @@ class Symbols:
             values = [self.flag(f"{fact}={word}") for word in words]
             one = z3.PbEq([(value, 1) for value in values], 1)
             if fact in self.known:
-                found += [z3.Implies(self.known[fact], one), z3.Implies(z3.Not(self.known[fact]), z3.Not(z3.Or(values)))]
+                found += [
+                    z3.Implies(self.known[fact], one),
+                    z3.Implies(z3.Not(self.known[fact]), z3.Not(z3.Or(values))),
+                ]
             else:
                 found.append(one)
         return found
@@ -228,7 +235,9 @@ class View:
                 return self._before(formula)
             case Same():
                 words = self._words(formula.one)
-                return z3.Or([z3.And(self._test(formula.one, w), self._test(formula.other, w)) for w in words])
+                return z3.Or(
+                    [z3.And(self._test(formula.one, w), self._test(formula.other, w)) for w in words]
+                )
             case Known():
                 return self._known(formula.fact)
             case Test():
@@ -277,7 +286,9 @@ class View:
         """A polynomial of a pair, in the variables of the group."""
         if not self._variables:
             a, b = self.own, self.other
-            place = {name: variable(name) for s in (a, b) for name in (f"{s}.x", f"{s}.y", f"{s}.vx", f"{s}.vy")}
+            place = {
+                name: variable(name) for s in (a, b) for name in (f"{s}.x", f"{s}.y", f"{s}.vx", f"{s}.vy")
+            }
             self._variables.update(
                 {
                     "rx": place[f"{b}.x"] - place[f"{a}.x"],
@@ -332,7 +343,9 @@ class View:
             return self.symbols.flag(fact)
         words = self._words(name)
         named = {"own": self.own, "other": self.other}
-        return self.symbols.choice(fact, named.get(value, value), tuple(named.get(word, word) for word in words))
+        return self.symbols.choice(
+            fact, named.get(value, value), tuple(named.get(word, word) for word in words)
+        )
 
     def _geometry(self, found: Recognition, value: str) -> Term:
         overtaking = z3.Or(self.term(found.overtaking), self.swapped.term(found.overtaking))

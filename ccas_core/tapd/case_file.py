@@ -293,7 +293,8 @@ class _CaseReader:
         times = block.find("time_to_intersection" if self._in_units else "time_to_intersection_s")
         if times is not None:
             found["time_to_intersection"] = {
-                ShipId(self._expectations.ship(key, ids)): self._time(value) for key, value in reader.entries(times)
+                ShipId(self._expectations.ship(key, ids)): self._time(value)
+                for key, value in reader.entries(times)
             }
         if isinstance(node, Keys) and not self._in_units:
             for key, value in node.entries:

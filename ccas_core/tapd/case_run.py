@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, Final
 
-from ..quantities import ANGLE
 from ..priority import PriorityGraph, Settlement, settle
+from ..quantities import ANGLE
 from ..ships import UNKNOWN, ShipId
 from ..units import DEGREE
 from ..verdict import Kind, Verdict
@@ -23,7 +23,15 @@ from .vocabulary import Scope, Vocabulary
 
 _PARALLEL: Final = math.sin(math.radians(22.5))
 _ALWAYS: Final = ("kind", "give_way", "stand_on", "pass", "strength")  # compared wherever they are stated
-_STRICT: Final = ("side_chosen_by", "must_follow", "facilitates", "required_manoeuvre", "initiator", "by", "article")
+_STRICT: Final = (
+    "side_chosen_by",
+    "must_follow",
+    "facilitates",
+    "required_manoeuvre",
+    "initiator",
+    "by",
+    "article",
+)
 _NO_WEIGHT: Final = 1.0  # of a ship whose weight a case does not state [kg]
 
 

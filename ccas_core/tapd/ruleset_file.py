@@ -22,8 +22,8 @@ from .language.formula import FALSE, Formula, all_of, any_of, facts_of, negated
 from .python_rules import PythonRule
 from .ranking import RankingCriterion
 from .rules import (
-    Claim,
     DEFAULT_ORDER,
+    Claim,
     Criterion,
     Domain,
     Gate,
@@ -285,7 +285,9 @@ class _Weaver:
         ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
-                gates = [each for each in gates if each[1].id != gate.id]  # one of a base, which this replaces
+                gates = [
+                    each for each in gates if each[1].id != gate.id
+                ]  # one of a base, which this replaces
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
