@@ -1,8 +1,8 @@
 """Rules in plain Python, run once for each branch on symbolic ships.
 
-A condition of the function asks an oracle, which answers true the first time and false the next, until all ways through
-the function have been gone.  Each way becomes a plain rule: its conditions, and what was returned.  A function that
-leaves what can be followed (it calls `float`, an angle, a library) is not proved about, and it is said so.
+A condition of the function asks an oracle, which answers true the first time and false the next, until all
+ways through the function have been gone.  All ways that return one thing become a plain rule.  What
+leaves what can be followed (it calls `float`, an angle, a library) is not proved about, and is said so.
 """
 
 from __future__ import annotations
@@ -80,11 +80,14 @@ class Symbol:
     def _leave(self, *_: object) -> Any:
         raise Leaves(f"the value of a {type(self).__name__.lower()} is asked for, which only a real ship has")
 
-    __float__ = __int__ = __index__ = __iter__ = __len__ = __str__ = __format__ = __bool__ = _leave
+    def __bool__(self) -> bool:
+        return bool(self._leave())
+
+    __float__ = __int__ = __index__ = __iter__ = __len__ = __str__ = __format__ = _leave
     __round__ = __abs__ = __truediv__ = __rtruediv__ = __pow__ = __mod__ = __floordiv__ = _leave
 
 
-class Truth(Symbol):
+class Truth(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a hash
     """A condition."""
 
     __slots__ = ("_formula",)
@@ -112,7 +115,7 @@ class Truth(Symbol):
         return not bool(self)
 
 
-class Word(Symbol):
+class Word(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a hash
     """A fact with words for values."""
 
     __slots__ = ("_choices", "_fact")
@@ -126,14 +129,14 @@ class Word(Symbol):
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Word):
-            return any(self._is(word) and other._is(word) for word in self._choices)
+            return any(self == word and other == word for word in self._choices)
         return self._is(str(other))
 
     def __ne__(self, other: object) -> bool:
         return not self == other
 
 
-class Amount(Symbol):
+class Amount(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a hash
     """A number: a polynomial in facts."""
 
     __slots__ = ("_value",)
@@ -312,7 +315,7 @@ def branches(rule: PythonRule, text: RulesetText) -> tuple[Branch, ...]:
             said = rule.decide(SymbolicPair(text, oracle))  # type: ignore[arg-type]
         except Leaves:
             raise
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - a plugin may raise anything
             raise Leaves(f"it raises {type(error).__name__}: {error}") from None
         if said is not None:
             if not isinstance(said, RoleDecision | str):
@@ -324,7 +327,7 @@ def branches(rule: PythonRule, text: RulesetText) -> tuple[Branch, ...]:
 
 
 def _next(path: list[tuple[Formula, bool]]) -> list[bool] | None:
-    """Answers of the next way: the last condition that was true is now false; none when all have been gone."""
+    """Answers of the next way: the last condition that was true is now false; None after the last way."""
     answers = [answer for _, answer in path]
     while answers and not answers[-1]:
         answers.pop()
@@ -332,7 +335,7 @@ def _next(path: list[tuple[Formula, bool]]) -> list[bool] | None:
 
 
 class Unfolded(WrittenRuleset):
-    """A ruleset whose rules in Python have become plain rules, a branch each; it still judges by the functions."""
+    """A ruleset whose rules in Python have become plain rules; it still judges by the functions."""
 
     def __init__(self, original: WrittenRuleset, text: RulesetText) -> None:
         super().__init__(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..tapd.language.formula import Formula
 from ..tapd.rules import Claim
 from ..tapd.written import WrittenRuleset
 from .cycles import acyclic
@@ -25,8 +26,8 @@ def claimed(ruleset: WrittenRuleset, claim: Claim, budget: Budget, max_ships: in
     return replace(found, property=claim.name, notes=(*found.notes, f"{claim.check} {of}"))
 
 
-def assuming(ruleset: WrittenRuleset, *conditions: object) -> WrittenRuleset:
+def assuming(ruleset: WrittenRuleset, *conditions: Formula) -> WrittenRuleset:
     """The same ruleset for the ships of its domain for which further conditions hold."""
     text = ruleset.text
-    domain = replace(text.domain, assume=(*text.domain.assume, *conditions))  # type: ignore[arg-type]
+    domain = replace(text.domain, assume=(*text.domain.assume, *conditions))
     return ruleset.with_text(replace(text, domain=domain))

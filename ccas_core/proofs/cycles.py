@@ -1,17 +1,17 @@
 """Rings of ships that give way to one another: none for any number of ships, or ships that form one.
 
-Proof: a ranking.  Features of single ships, such as being small or upbound, are put in an order in which no ship ever
-gives way to one that comes later; where all features are equal, a number must decide: a fact, the speed, or, on a
-reach, the place along it.  A strict ranking leaves no ring, however many ships there are.
+Proof: a ranking.  Features of single ships, such as being small or upbound, are put in an order in which no
+ship ever gives way to one that comes later; where all features are equal, a number must decide: a fact, the
+speed, or, on a reach, the place along it.  A strict ranking leaves no ring, however many ships there are.
 
-Search: ships that meet near one point, by the shape of the junction (an open water, a reach, a T, four arms, three
-arms at 120 degrees), with facts alike and at random, judged by the rules as they run.
+Search: ships that meet near one point, by the shape of the junction (an open water, a reach, a T, four
+arms, three arms at 120 degrees), with facts alike and at random, judged by the rules as they run.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final
@@ -35,6 +35,7 @@ from ..verdict import Kind, Verdict
 from .findings import Fault, Finding
 from .ladder import Ladder
 from .pairs import Tally
+from .plain import plainer
 from .questions import bounds_of
 from .search import A, B, Facts, Ships, case_of
 from .solver import NONLINEAR_LIMIT, Budget, ask_linear, ask_nonlinear
@@ -67,14 +68,13 @@ def acyclic(
 ) -> Finding:
     """Ships never give way to one another in a ring, however many they are.
 
-    `reach_only` asks for ships that follow one reach of a river: courses along its axis, upbound ships one way
-    and downbound ships the other.
+    `reach_only` asks for ships that follow one reach of a river: courses along its axis, upbound ships one
+    way and downbound ships the other.
     """
     tally = Tally()
-    shapes: Sequence[Shape]
-    shapes = (
-        [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"] if reach_only else SHAPES
-    )
+    shapes: Sequence[Shape] = SHAPES
+    if reach_only:
+        shapes = [replace(shape, spread=0.0) for shape in SHAPES if shape.name == "a reach"]
     for shape in shapes:
         _search(tally, ruleset, shape, budget, max_ships)
     if tally.faults:
@@ -199,7 +199,7 @@ def _deciding_number(text: RulesetText, symbols: Symbols, never: Any, *, reach: 
     return None
 
 
-def _behind(symbols: Symbols, never: Any) -> bool:
+def _behind(symbols: Symbols, never: Callable[..., bool]) -> bool:
     """Whether the ship that gives way sails the same way as the other, and is behind it."""
     way = {ship: symbols.sign(variable(f"{ship}.vx"), frozenset({1})) for ship in (A, B)}
     ahead = symbols.sign(variable(f"{B}.x"), frozenset({1}))
@@ -234,17 +234,23 @@ def _search(tally: Tally, ruleset: WrittenRuleset, shape: Shape, budget: Budget,
 def _told(
     tally: Tally, ruleset: WrittenRuleset, shape: Shape, case: Case, found: tuple[list[ShipId], list[Verdict]]
 ) -> None:
-    order, views = found
+    case = plainer(case, lambda plain: _alike(ring(ruleset, plain), found) and _within(ruleset, plain))
+    order, views = ring(ruleset, case) or found
     rules: tuple[Rule, ...] = tuple(ruleset.text.rule(id_) for id_ in dict.fromkeys(v.rule for v in views))
     names = " -> ".join([*order, order[0]])
     by = ", ".join(str(rule.citation) for rule in rules)
     title = f"{len(order)} ships give way in a ring on {shape.name}: {names}, by {by}"
-    ships = Ships(case=replace(case, id=f"ring of {len(order)}"), verdicts=(views[0], views[1]), margin=0.0)
+    ships = Ships(case=replace(case, id=f"ring of {len(order)}"), verdicts=tuple(views), margin=0.0)
     tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="cycle"))
 
 
+def _alike(one: tuple[list[ShipId], list[Verdict]] | None, other: tuple[list[ShipId], list[Verdict]]) -> bool:
+    """Whether two rings are of the same ships by the same rules."""
+    return one is not None and (one[0], [v.rule for v in one[1]]) == (other[0], [v.rule for v in other[1]])
+
+
 def ring(ruleset: WrittenRuleset, case: Case) -> tuple[list[ShipId], list[Verdict]] | None:
-    """The shortest ring of ships that give way to one another, and their verdicts; None where there is none."""
+    """The shortest ring of ships that give way to one another, and their verdicts; None without one."""
     graph: nx.DiGraph[ShipId] = nx.DiGraph()
     views: dict[tuple[ShipId, ShipId], Verdict] = {}
     masses = {ship.id: float(ship.facts.get("weight", 1.0)) for ship in case.ships}

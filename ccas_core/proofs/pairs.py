@@ -1,7 +1,7 @@
 """Properties of a ruleset that concern two ships.
 
-Each is put as its opposite: can there be two ships for which it fails?  If the solver says no, it is proved; if
-ships are found, it is refuted; otherwise it is undecided.
+Each is put as its opposite: can there be two ships for which it fails?  If the solver says no, it is
+proved; if ships are found, it is refuted; otherwise it is undecided.
 """
 
 from __future__ import annotations
@@ -87,9 +87,10 @@ def consistent(questions: Questions) -> Finding:
             tally.ask(
                 questions,
                 [own.decides(place)],
-                lambda one, two, rule=rule: one.rule == rule.id or two.rule == rule.id,  # type: ignore[misc]
+                lambda one, two, rule=rule: rule.id in (one.rule, two.rule),  # type: ignore[misc]
                 lambda rule=rule: Fault(  # type: ignore[misc]
-                    title=f"the regulation contradicts itself: {rule.outcome.diagnosis or 'conflict'}, {rule.citation}",
+                    title=f"the regulation contradicts itself: {rule.outcome.diagnosis or 'conflict'}, "
+                    f"{rule.citation}",
                     rules=(rule,),
                     kind="contradiction",
                 ),
@@ -160,7 +161,7 @@ def complete(questions: Questions) -> Finding:
             tally.ask(
                 questions,
                 [risk, own.decides(place)],
-                lambda one, two, rule=rule: one.rule == rule.id,  # type: ignore[misc]
+                lambda one, _two, rule=rule: one.rule == rule.id,  # type: ignore[misc]
                 lambda rule=rule: Fault(  # type: ignore[misc]
                     title=f"nothing is decided: {rule.outcome.kind} by rule '{rule.id}', {rule.citation}",
                     rules=(rule,),
@@ -170,7 +171,7 @@ def complete(questions: Questions) -> Finding:
     tally.ask(
         questions,
         [risk, own.silent],
-        lambda one, two: one.kind is Kind.NONE and not one.rule and one.reason != "no_risk",
+        lambda one, _two: one.kind is Kind.NONE and not one.rule and one.reason != "no_risk",
         lambda: Fault(title="no rule applies to ships at risk of collision", kind="gap"),
     )
     tally.ask(
@@ -196,7 +197,7 @@ def exclusive(questions: Questions) -> Finding | None:
             tally.ask(
                 questions,
                 [own.applies(one), own.applies(two)],
-                lambda a, b: a.kind is Kind.CONFLICT,
+                lambda one, _two: one.kind is Kind.CONFLICT,
                 lambda one=one, two=two: Fault(  # type: ignore[misc]
                     title=f"rules '{one.rule.id}' and '{two.rule.id}' apply together",
                     rules=(one.rule, two.rule),
@@ -212,7 +213,8 @@ def no_dead_rule(questions: Questions) -> Finding:
     own = questions.own
     ruleset = questions.rulesets[0]
     alive = _tested(ruleset)
-    tally.notes.append(f"{len(alive)} of {len(ruleset.text.rules)} rules are reached by tests")
+    tested = sum(rule.id in alive for rule in ruleset.text.rules)
+    tally.notes.append(f"{tested} of {len(ruleset.text.rules)} rules are reached by tests")
     for place in own.places:
         rule = place.rule
         if place.swapped or rule.id in alive or rule.python:
@@ -367,7 +369,7 @@ def domain_not_empty(questions: Questions) -> Finding:
     risk = questions.own.view.derived("risk_of_collision", value=True)
     tally.questions += 1
     found, method, ships = questions.settled(
-        [risk, _met(questions)], lambda one, two: one.geometry != "none" and one.reason != "no_risk"
+        [risk, _met(questions)], lambda one, _two: one.geometry != "none" and one.reason != "no_risk"
     )
     if found is Found.IMPOSSIBLE:
         tally.faults.append(Fault(title="no two ships of the domain are ever at risk", kind="empty domain"))

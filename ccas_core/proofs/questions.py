@@ -21,8 +21,8 @@ from .symbols import Symbols, Term, View, constants_of
 
 ATTEMPTS: Final = 2  # models whose facts are tried
 GLANCE: Final = 0.4  # for a nonlinear question, before ships are looked for [s]
-# Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all quantities of
-# motion are the same wherever the two are, and whichever way they look.
+# Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all
+# quantities of motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
     "A.x": number(0),
     "A.y": number(0),
@@ -36,7 +36,8 @@ FRAME: Final[Mapping[str, Polynomial]] = {
 class Questions:
     """Two ships A and B, each with its ruleset.
 
-    `free` leaves parameters with a range open within it; `assume` are further conditions on (A, B) and (B, A).
+    `free` leaves parameters with a range open within it; `assume` are further conditions on (A, B) and (B,
+    A).
     """
 
     rulesets: tuple[WrittenRuleset, WrittenRuleset]
@@ -100,8 +101,8 @@ class Questions:
     ) -> tuple[Found, str, Ships | None]:
         """Decide whether terms can hold together: proved that they cannot, or ships that show that they can.
 
-        The cheap questions come first, and ships are looked for as soon as there are facts to try.  They are judged by
-        `rulesets`, if these are not those of the question.
+        The cheap questions come first, and ships are looked for as soon as there are facts to try.  They
+        are judged by `rulesets`, if these are not those of the question.
         """
         tried: list[Facts] = []
 

@@ -1,9 +1,9 @@
 """Ships that show a fault: found by trying encounters on round numbers, judged by the code that runs at sea.
 
-Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how ships
-meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those that show
-the fault the one is kept that shows it with the widest margin: how far the other ship can be moved in
-any of eight directions before the fault is gone.
+Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how
+ships meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those
+that show the fault the one is kept that shows it with the widest margin: how far the other ship can be
+moved in any of eight directions before the fault is gone.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
 from ..verdict import Verdict
+from .plain import USUAL_LENGTH, beam_of, plainer
 from .solver import Answer
 
 Goal: TypeAlias = Callable[[Verdict, Verdict], bool]  # of the views of A and of B
@@ -32,7 +33,6 @@ A, B = ShipId("A"), ShipId("B")
 TRIES: Final = 1500
 ENOUGH: Final = 12  # hits among which the one with the widest margin is taken
 _REACHES: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0)  # [m]
-_DEFAULT_LENGTH: Final = 80.0  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +40,9 @@ class Ships:
     """An encounter that shows something, what both ships say of it, and its margin [m]."""
 
     case: Case
-    verdicts: tuple[Verdict, Verdict]
+    verdicts: tuple[
+        Verdict, ...
+    ]  # views of A and of B; of a ring, of each ship on the one that it gives way to
     margin: float
 
 
@@ -55,7 +57,7 @@ class Facts:
 
 def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) -> Facts:
     """Facts of a model, by ship; what it leaves open has its default."""
-    by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH, "beam": 10.0} for ship in ships}
+    by_ship: dict[str, dict[str, Any]] = {ship: {"length": USUAL_LENGTH} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
     regimes: list[str] = []
@@ -74,8 +76,12 @@ def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) 
     for name, number in answer.numbers.items():
         owner, _, fact = name.partition(".")
         known = text.vocabulary.find(Scope.SHIP, fact)
+        if name.endswith((".beam", ".weight")) and number <= 0:
+            continue  # no ship is so; it has a usual one
         if owner in by_ship and known is not None and known.kind is Kind.NUMBER and "*" not in name:
             by_ship[owner][fact] = _round(number, fact)
+    for stated in by_ship.values():
+        stated.setdefault("beam", beam_of(stated["length"]))
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
     return Facts(by_ship, waterway, pair)
@@ -115,7 +121,7 @@ def judged(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> tuple
 def meetings(
     rng: np.random.Generator, speeds: tuple[float, float], separation: float, count: int
 ) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Two ships that come near one another: head-on, overtaking, crossing, exactly parallel, or just anyhow."""
+    """Two ships that come near one another: head-on, overtaking, crossing, parallel, or just anyhow."""
     for n in range(count):
         kind = n % 6
         course = float(rng.integers(0, 360))
@@ -177,20 +183,43 @@ def find(
                 break
     if not hits:
         return None
-    return max(
+    best = max(
         (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin
     )
+    return _plain(rulesets, best, goal)
+
+
+def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships:
+    """The same ships, with no more facts than it takes to show the same by the same rules."""
+    rules = [view.rule for view in ships.verdicts]
+
+    def shows(case: Case) -> bool:
+        verdicts = _reaches(rulesets, case, goal)
+        return verdicts is not None and [view.rule for view in verdicts] == rules
+
+    case = plainer(ships.case, shows)
+    return Ships(case=case, verdicts=judged(rulesets, case), margin=margin(rulesets, case, goal))
 
 
 def _reaches(
     rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal
 ) -> tuple[Verdict, Verdict] | None:
     verdicts = judged(rulesets, case)
-    return verdicts if goal(*verdicts) else None
+    return verdicts if goal(*verdicts) and _in_domain(rulesets, case) else None
+
+
+def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> bool:
+    """Whether what the rulesets assume of ships holds, as both see it."""
+    return all(
+        ruleset.assumptions(pair_facts(case, own, other, ruleset.vocabulary))
+        for ruleset in dict.fromkeys(rulesets)
+        if ruleset.text.domain.assume
+        for own, other in ((A, B), (B, A))
+    )
 
 
 def margin(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal) -> float:
-    """How far ship B can be moved in any of eight directions before the goal is missed [m]; 0 if not at all."""
+    """How far ship B can be moved in any of eight directions, and the goal is still reached [m]."""
     found = 0.0
     for reach in _REACHES:
         for direction in range(8):

@@ -1,9 +1,9 @@
 """Formulas as terms of the solver, for any two ships of a group.
 
-A numeric condition is the sign of a polynomial.  It enters as two proxies, `positive` and `negative`, shared by all
-conditions that ask for the sign of the same polynomial, whichever ship asks.  What the proxies mean is added when a
-question is asked, in one of two ways: with a variable for each monomial, so that the solver has linear arithmetic
-only; or as it is.
+A numeric condition is the sign of a polynomial.  It enters as two proxies, `positive` and `negative`,
+shared by all conditions that ask for the sign of the same polynomial, whichever ship asks.  What the
+proxies mean is added when a question is asked, in one of two ways: with a variable for each monomial, so
+that the solver has linear arithmetic only; or as it is.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ class Symbols:
         return terms[only]
 
     def axioms(self, terms: Iterable[Term]) -> list[Term]:
-        """What holds of the facts in some terms: one value each, where it is known; no polynomial has two signs."""
+        """What holds of the facts in some terms: one value each, where known; no polynomial has two signs."""
         names = self.names(terms)
         found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms_of(names)]
         for fact, words in self.choices.items():
@@ -146,8 +146,8 @@ class Symbols:
         ]
 
     def linear(self, atoms: Iterable[Atom]) -> list[Term]:
-        """What the proxies mean, with a variable for each monomial: true of all ships, and of more than that."""
-        found = []
+        """What the proxies mean, with a variable for each monomial: true of all ships, and of more."""
+        found: list[Term] = []
         for atom in atoms:
             if atom.polynomial not in self._linear:
                 self._linear[atom.polynomial] = _meaning(atom, _linear_term(atom.polynomial))
@@ -207,7 +207,7 @@ class View:
             self._swapped = View(
                 self.symbols, self.text, self.other, self.own, self.constants, self.remembered, self.later
             )
-            self._swapped._swapped = self
+            self._swapped._swapped = self  # noqa: SLF001 - it is another of this class
         return self._swapped
 
     def term(self, formula: Formula) -> Term:

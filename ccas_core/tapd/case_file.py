@@ -18,7 +18,7 @@ from ..findings import read_text
 from ..quantities import ANGLE, LENGTH, SPEED, TIME, Range
 from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
-from ..strict_yaml import Reader
+from ..strict_yaml import Block, Reader
 from ..units import DEGREE
 from ..yaml_nodes import Mapping as Keys
 from ..yaml_nodes import Node, Scalar, Sequence, is_missing
@@ -29,7 +29,12 @@ from .vocabulary import Kind as FactKind
 
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
+_NAMELESS: Final = {  # where no ship is named, none is
+    "overtaker": ("head_on", "crossing", "none"),
+    "has_other_on_starboard": ("head_on", "overtaking", "none"),
+}
 _NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
+_PLACES: Final = ("same_waterway", "same_direction")  # where the ships are, which says nothing of a risk
 _HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
 
 
@@ -280,7 +285,11 @@ class _CaseReader:
         reader = self._reader
         block = reader.block(node)
         ids = [ship.id for ship in ships]
-        found: dict[str, Any] = {"risk_of_collision": True}
+        keys = {key.text for key, _ in node.entries} if isinstance(node, Keys) else set()
+        found: dict[str, Any] = {} if keys and keys <= set(_PLACES) else {"risk_of_collision": True}
+        for name in _PLACES:
+            if (place := block.find(name)) is not None:
+                found[name] = _maybe(place, reader.flag)
         if (risk := block.find("risk_of_collision")) is not None:
             found["risk_of_collision"] = _maybe(risk, reader.flag)
         if (geometry := block.find("geometry")) is not None:
@@ -296,17 +305,21 @@ class _CaseReader:
                 ShipId(self._expectations.ship(key, ids)): self._time(value)
                 for key, value in reader.entries(times)
             }
-        if isinstance(node, Keys) and not self._in_units:
-            for key, value in node.entries:
-                if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
-                    block.find(key.text)
-                    self._bare(value)
-        if found.get("geometry") in ("head_on", "crossing", "none"):
-            found.setdefault("overtaker", "none")
-        if found.get("geometry") in ("head_on", "overtaking", "none"):
-            found.setdefault("has_other_on_starboard", "none")
+        self._illustrations(block, node)
+        for name, geometries in _NAMELESS.items():
+            if found.get("geometry") in geometries:
+                found.setdefault(name, "none")
         block.done()
         return found
+
+    def _illustrations(self, block: Block, node: Node) -> None:
+        """Numbers that stand beside a stated geometry: they must be numbers, and decide nothing."""
+        if self._in_units or not isinstance(node, Keys):
+            return
+        for key, value in node.entries:
+            if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
+                block.find(key.text)
+                self._bare(value)
 
     def _time(self, node: Node) -> float:
         return self._reader.number(node, TIME) if self._in_units else self._bare(node)

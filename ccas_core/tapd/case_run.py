@@ -137,7 +137,7 @@ def _motion(own: CaseShip, other: CaseShip, stated: Mapping[ShipId, float]) -> t
 def crossing_time(own: tuple[float, float, float], speed: float, other: tuple[float, float, float]) -> float:
     """Time until a ship reaches the line on which another sails [s], as if it were the axis of its waterway.
 
-    Negative when past; never, where the courses are within 22.5 deg of parallel: then it is the same waterway.
+    Negative when past; never, where the courses are within 22.5 deg of parallel: that is one waterway.
     """
     across = math.sin(other[2] - own[2])
     if abs(across) < _PARALLEL or speed <= STOPPED:

@@ -171,7 +171,7 @@ class WrittenRuleset(PairRuleset):
         return found
 
     def assumptions(self, facts: PairFacts) -> bool:
-        """Whether a pair keeps to what the ruleset assumes of its domain; what is not known does not hinder it."""
+        """Whether a pair keeps to what the ruleset assumes of its domain, as far as that is known."""
         _, own, _ = self.recognised(facts)
         try:
             return all(decide(*own[:5], [None] * self._assumed.memory) for decide in self._assumed.decisions)
