@@ -46,6 +46,7 @@ from .ruleset_draft import (
     refuse,
 )
 from .ruleset_reader import RECOGNITION, head_of, read_draft
+from .tests_file import tests_beside
 from .vocabulary import VOCABULARY, Scope, Vocabulary
 from .written import WrittenRuleset
 
@@ -217,7 +218,8 @@ class _Weaver:
             domain=domain,
             waivers=waivers,
             claims=self._claims(),
-            tests=last.tests,
+            inline=last.tests,
+            beside=tests_beside(last.path, last.id, self.vocabulary),
             source=last.path,
             lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
         )

@@ -19,7 +19,7 @@ from ccas_core.tapd.vocabulary import VOCABULARY, Scope
 from ccas_core.yaml_nodes import Mapping as Keys
 from ccas_core.yaml_nodes import Node, Scalar, Sequence
 
-SHIPPED = sorted(Path(ccas_rulesets.__file__).parent.glob("*.yaml"))
+SHIPPED = list(ccas_rulesets.ccas_rulesets())
 GUIDE = Path(__file__).parents[2] / "docs" / "ruleset-format.md"
 
 # Every block that there is, once.
