@@ -1,4 +1,4 @@
-"""Tests of a ruleset in a file beside it: `bpr.tests.yaml` beside `bpr.yaml`, read when they are asked for."""
+"""Tests of a ruleset in a file beside it: `bpr.tests.yaml` beside `bpr.yaml`, read when asked for."""
 
 from __future__ import annotations
 
