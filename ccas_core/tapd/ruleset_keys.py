@@ -18,7 +18,7 @@ from ..verdict import Kind as VerdictKind
 from .cases import DIAGNOSES
 from .rules import Criterion, Diagnosis, Mirror, Policy, Side, Strength
 from .ruleset_draft import SCHEMA
-from .ruleset_reader import Passing, Then
+from .ruleset_reader import Claimed, Passing, Then
 
 
 class Shape(Enum):
@@ -37,6 +37,7 @@ class Shape(Enum):
     SHIP = "a ship of the test"
     SHIPS = "a ship of the test, or a list of them"
     PAIRS = "a list of pairs of ships"
+    TIMES = "a time for each ship, by name"
     SHIP_FACTS = "ships by name, each with its facts"
     WATERWAY_FACTS = "facts of the waterway"
     BLOCK = "a block"
@@ -99,6 +100,7 @@ _RULESET: Final = (
     Key("deadlock", "Who decides first in a ring of ships.", Shape.BLOCK, block="deadlock"),
     Key("domain", "For which ships the ruleset is meant; proofs stay in it.", Shape.BLOCK, block="domain"),
     Key("waivers", "Faults that are accepted, with a reason.", Shape.BLOCKS, block="waiver"),
+    Key("claims", "Properties that hold for some ships only.", Shape.BLOCKS, block="claim"),
     Key("tests", "Encounters, and what the ruleset must say of them.", Shape.BLOCKS, block="test"),
 )
 _RULE: Final = (
@@ -224,6 +226,13 @@ BLOCKS: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
             Key("expires", "When it is to be looked at again.", Shape.DATE, required=True),
             Key("rules", "Rules that it is about; otherwise all.", Shape.NAMES),
         ),
+        "claim": (
+            Key("name", "Name under which the claim is told.", Shape.NAME, required=True),
+            Key("check", "What is claimed.", required=True, words=_words(Claimed)),
+            Key("assume", "Of which ships it is claimed.", Shape.CONDITION, required=True),
+            Key("on_a_reach", "Of ships that follow one reach of a river.", Shape.FLAG),
+            Key("note", "What a reader should know."),
+        ),
         "test": (
             Key("name", "What is tested, as a sentence.", required=True),
             Key("ships", "Two ships or more.", Shape.SHIP_FACTS, required=True),
@@ -237,6 +246,9 @@ BLOCKS: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
             Key("overtaker", "The ship that overtakes, or `none`.", Shape.SHIP),
             Key("has_other_on_starboard", "The ship that has the other on its starboard side.", Shape.SHIP),
             Key("windward", "The ship to windward.", Shape.SHIP),
+            Key("same_waterway", "Each lies between the banks of the other's waterway.", Shape.FLAG),
+            Key("same_direction", "Both follow one waterway, in one direction.", Shape.FLAG),
+            Key("time_to_intersection", "How far each is from the intersection.", Shape.TIMES),
         ),
         "expect": _EXPECT,
     }
@@ -256,6 +268,7 @@ TITLES: Final[Mapping[str, str]] = MappingProxyType(
         "deadlock": "`deadlock`",
         "domain": "`domain`",
         "waiver": "A waiver (`waivers`)",
+        "claim": "A claim (`claims`)",
         "test": "A test (`tests`)",
         "meeting": "`encounter` of a test",
         "expect": "`expect` of a test",

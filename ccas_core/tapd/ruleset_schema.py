@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from ..quantities import QUANTITY_OF, Quantity
+from ..quantities import QUANTITY_OF, TIME, Quantity
 from .ruleset_draft import SCHEMA
 from .ruleset_keys import BLOCKS, Key, Shape
 from .vocabulary import VOCABULARY, Fact, Kind, Scope, Vocabulary
@@ -75,6 +75,7 @@ def _held(key: Key, vocabulary: Vocabulary) -> Schema:
         Shape.WATERWAY_FACTS: _facts(Scope.WATERWAY, vocabulary),
         Shape.BLOCK: block,
         Shape.BLOCKS: {"type": "array", "items": block},
+        Shape.TIMES: {"type": "object", "additionalProperties": _number(TIME)},
         Shape.NAMED_BLOCKS: {"type": "object", "additionalProperties": _named(key, block)},
         Shape.NAMED_TEXTS: {"type": "object", "additionalProperties": _text()},
         Shape.NAMED_CONDITIONS: {"type": "object", "additionalProperties": _one_or_more(_text())},

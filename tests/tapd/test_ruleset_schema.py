@@ -43,6 +43,8 @@ deadlock: {resolve_by: [id]}
 domain: {speed: [1 m/s, 2 m/s]}
 waivers:
   - {check: complete, reason: so, expires: 2030-01-01}
+claims:
+  - {name: c, check: complete, assume: risk}
 tests:
   - name: t
     encounter: {geometry: head_on}
