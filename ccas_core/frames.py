@@ -128,6 +128,16 @@ class PathFrame:
         """Course of the guiding line [rad] at distance x [m] along it."""
         return float(self._courses[self._segment(np.array([x]))[0]])
 
+    def stretch(self, first: float, last: float) -> FloatArray:
+        """Points of the guiding line from one distance [m] along it to a greater one, (n, 2).
+
+        >>> PathFrame(frozen_array([[0.0, 0.0], [0.0, 1000.0]])).stretch(100.0, 300.0).tolist()
+        [[0.0, 100.0], [0.0, 300.0]]
+        """
+        within = (self._distances > first) & (self._distances < last)
+        ends = self._out_of(np.array([[first, 0.0, 0.0], [last, 0.0, 0.0]]))[:, :2]
+        return np.vstack([ends[:1], self.vertices[within], ends[1:]])
+
     def to_path(self, pose: NedPose) -> PathPose:
         """Read a pose of {n} in this frame; the course comes back in (-pi, pi]."""
         if len(self._courses) > 1:

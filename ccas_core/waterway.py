@@ -11,7 +11,6 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -104,13 +103,19 @@ class Waters:
     waterways: tuple[Waterway, ...]
     regions: tuple[Region, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    _by_id: dict[str, Waterway] = field(init=False, repr=False)
+    _junctions: dict[tuple[str, str], NedPose | None] = field(init=False, repr=False)  # found so far
+    _banks: list[BaseGeometry] = field(init=False, repr=False)  # one, once it is drawn
+
+    def __post_init__(self) -> None:
+        by_id = {waterway.id: waterway for waterway in reversed(self.waterways)}  # the first of an id counts
+        object.__setattr__(self, "_by_id", by_id)
+        object.__setattr__(self, "_junctions", {})
+        object.__setattr__(self, "_banks", [])
 
     def waterway(self, id_: str) -> Waterway:
         """Waterway by its id; `KeyError` where there is none."""
-        for waterway in self.waterways:
-            if waterway.id == id_:
-                return waterway
-        raise KeyError(id_)
+        return self._by_id[id_]
 
     def ruleset_at(self, pose: NedPose) -> str:
         """Id of the ruleset in force at a position: that of the first region that holds it."""
@@ -121,11 +126,20 @@ class Waters:
 
     def junction(self, one: str, other: str) -> NedPose | None:
         """Centre of the intersection of two waterways, known to all ships; None if they do not meet."""
-        return _junction(self, min(one, other), max(one, other))
+        pair = min(one, other), max(one, other)
+        if pair not in self._junctions:
+            point = _meeting_point(*(self.waterway(id_).centreline for id_ in pair))
+            self._junctions[pair] = NedPose(float(point.x), float(point.y), 0.0) if point else None
+        return self._junctions[pair]
 
     def banks(self) -> BaseGeometry:
         """Navigable water as one shape: the union of all waterways, prolonged past their ends."""
-        from shapely import LineString, union_all
+        if not self._banks:
+            self._banks.append(self._drawn_banks())
+        return self._banks[0]
+
+    def _drawn_banks(self) -> BaseGeometry:
+        from shapely import LineString, prepare, union_all
 
         reaches = []
         for waterway in self.waterways:
@@ -136,13 +150,9 @@ class Waters:
             reaches.append(
                 LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre")
             )
-        return union_all(reaches)
-
-
-@lru_cache(maxsize=1024)
-def _junction(waters: Waters, one: str, other: str) -> NedPose | None:
-    point = _meeting_point(waters.waterway(one).centreline, waters.waterway(other).centreline)
-    return NedPose(float(point.x), float(point.y), 0.0) if point else None
+        banks = union_all(reaches)
+        prepare(banks)  # it is asked again and again
+        return banks
 
 
 def _meeting_point(one: FloatArray, other: FloatArray) -> Point | None:

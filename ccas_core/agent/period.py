@@ -7,7 +7,7 @@ messages are sent.  Simulated time moves on only when nothing is left to do now.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from ..dmpc.solvers import AbstractLocalSolver
@@ -31,12 +31,14 @@ def run_period(
     solver: AbstractLocalSolver,
     sensed: Mapping[ShipId, Sensed],
     now: float,
+    neighbours: Mapping[ShipId, Iterable[ShipId]] | None = None,
 ) -> PeriodLog:
     """Let all ships decide once.
 
-    It ends when every agent has decided; each does by its own deadline.
+    It ends when every agent has decided; each does by its own deadline.  `neighbours` are those who
+    hear one another, as `reach.neighbours` finds them; all, unless given.
     """
-    bus.join(agents)
+    bus.join(agents, neighbours)
     late = bus.collect(now)  # the last promises of the period before
     inboxes: dict[ShipId, list[Event]] = {
         ship: [*late.get(ship, ()), reading] for ship, reading in sensed.items()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 import numpy as np
 
 from ..frames import FloatArray, PathTrajectory
 from ..ships import Hull
-from .parameters import Risk, RiskShape, Weights
+from .parameters import Risk, RiskShape, Settings, Weights
 from .symbolic import Scalar
 
 COLUMNS = 6  # of a threat: x, y [m], q_xx, q_xy, q_yy [1/m^2], gain
@@ -49,6 +51,31 @@ def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weigh
     else:
         form = _course_aligned(own, other, poses[:, 2], risk)
     return np.column_stack([poses[:, 0], poses[:, 1], *form, gain])
+
+
+def cut_off(own: Hull, other: Hull, settings: Settings, tolerance: float) -> float:
+    """Distance [m] beyond which the risk of another ship, summed over a whole horizon, is below `tolerance`.
+
+    No ellipse has a semi-axis longer than a, so that a step at a distance of d or more has a risk of
+    at most K_ca exp(-(d/a)^2), and N steps N times that; d is where this is the tolerance.
+
+    Examples
+    --------
+    >>> hull = Hull(length=103.0, beam=11.45)
+    >>> round(cut_off(hull, hull, Settings(), 1e-6))
+    698
+    """
+    risk = settings.risk
+    if risk.shape is RiskShape.AXIS_BOUND:
+        longest = math.sqrt(max(risk.alpha_x, risk.alpha_y))
+    else:
+        diagonal = math.hypot(own.length, own.beam) / 2.0
+        longest = max(
+            risk.kappa_along * (other.safety_length / 2.0 + diagonal),
+            risk.kappa_across * (other.safety_beam / 2.0 + diagonal),
+        )
+    height = settings.weights.K_ca * settings.horizon
+    return longest * math.sqrt(max(0.0, math.log(height / tolerance))) if height > 0.0 else 0.0
 
 
 def _course_aligned(own: Hull, other: Hull, course: FloatArray, risk: Risk) -> tuple[FloatArray, ...]:
