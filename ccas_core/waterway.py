@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .frames import FloatArray, NedPose, PathFrame, PathPose, frozen_array
+from .frames import FloatArray, NedPose, PathFrame, PathPose, PathTrajectory, frozen_array
 from .ships import Facts
 
 if TYPE_CHECKING:
@@ -193,14 +193,27 @@ class GuidingLine:
         Where a line runs so near to a bank that not even zero offset has the margin, zero
         remains allowed: the line itself was chosen by the user.
         """
-        index = self._index(x)
-        room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
-        offset = self.legs[index].offset if self.frame.is_straight else self._beside_centreline(index, x)
-        return min(0.0, max(-OFFSET_LIMIT, -room - offset)), max(0.0, min(OFFSET_LIMIT, room - offset))
+        low, high = self.offset_limits_at(np.array([x]), beam)[0].tolist()
+        return low, high
 
-    def _beside_centreline(self, index: int, x: float) -> float:
+    def offset_limits_at(self, x: FloatArray, beam: float) -> FloatArray:
+        """As `offset_limits`, at each of several distances along the line, (n, 2) [m]."""
+        limits = np.empty((len(x), 2))
+        index = np.maximum(np.searchsorted(self.leg_starts, x, side="right") - 1, 0)
+        for n in set(index.tolist()):
+            at = index == n
+            room = self.widths[n] / 2.0 - beam / 2.0 - BANK_MARGIN
+            offset = self.legs[n].offset if self.frame.is_straight else self._beside_centreline(n, x[at])
+            limits[at, 0] = np.minimum(0.0, np.maximum(-OFFSET_LIMIT, -room - offset))
+            limits[at, 1] = np.maximum(0.0, np.minimum(OFFSET_LIMIT, room - offset))
+        return limits
+
+    def _beside_centreline(self, index: int, x: FloatArray) -> FloatArray:
         """Offset of the line from the centreline [m]; on a rounded corner it is not that of the leg."""
-        return self.centrelines[index].to_path(self.frame.to_ned(PathPose(x, 0.0, 0.0))).y
+        on_line = np.zeros((len(x), 3))
+        on_line[:, 0] = x
+        there = self.frame.trajectory_to_ned(PathTrajectory(on_line))
+        return self.centrelines[index].trajectory_to_path(there).poses[:, 1]
 
     def _index(self, x: float) -> int:
         return max(0, bisect_right(self.leg_starts, x) - 1)

@@ -248,7 +248,7 @@ class ShipAgent:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
-        limits = np.array([self._line.offset_limits(float(x), self.ship.hull.beam) for x in ahead])
+        limits = self._line.offset_limits_at(ahead, self.ship.hull.beam)
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,

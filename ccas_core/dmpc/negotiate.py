@@ -17,7 +17,7 @@ from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
-from .risk import threat
+from .risk import COLUMNS, threats
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
 
@@ -94,7 +94,7 @@ def begin(situation: Situation) -> Negotiation:
     controls = situation.last_controls
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
         controls = _guess(Start.NOMINAL, situation)
-    plan = rollout(_problem(situation, ()), controls)
+    plan = rollout(_problem(situation, _threats(situation, ())), controls)
     return Negotiation(
         situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
     )
@@ -159,35 +159,38 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     A plan is clear if it stays outside the risk ellipse (one e-th of the height) of every neighbour.
     """
     settings = situation.settings
-    threats = _threats(situation, neighbours)
-    problem = _problem(situation, threats)
+    rows = _threats(situation, neighbours)
+    problem = _problem(situation, rows)
     if situation.last_controls is not None:
         plan = rollout(problem, situation.last_controls)
-        if _clear(plan, threats):
+        if _clear(plan, rows):
             return plan, "the last plan goes on"
     slow = np.column_stack([np.full(settings.horizon, situation.last_offset), np.zeros(settings.horizon)])
     return rollout(problem, slow), "the ship slows down"
 
 
-def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> list[FloatArray]:
-    """Neighbours as the local problem sees them, in the own frame."""
-    risk, weights = situation.settings.risk, situation.settings.weights
-    return [
-        threat(situation.hull, each.hull, situation.frame.trajectory_to_path(each.trajectory), risk, weights)
-        for each in neighbours
-    ]
+def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> FloatArray:
+    """Neighbours as the local problem sees them, in the own frame, (n, N, 6)."""
+    settings = situation.settings
+    if not neighbours:
+        return np.empty((0, settings.horizon, COLUMNS))
+    told = np.vstack([each.trajectory.poses for each in neighbours])
+    poses = situation.frame.trajectory_to_path(NedTrajectory(told)).poses
+    hulls = [each.hull for each in neighbours]
+    poses = poses.reshape(len(neighbours), settings.horizon + 1, 3)
+    return threats(situation.hull, hulls, poses, settings.risk, settings.weights)
 
 
-def _clear(plan: LocalPlan, threats: Sequence[FloatArray]) -> bool:
+def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     poses = plan.trajectory.poses[1:]
-    for rows in threats:
+    for rows in dangers:
         dx, dy = poses[:, 0] - rows[:, 0], poses[:, 1] - rows[:, 1]
         if np.any(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 < 1.0):
             return False
     return True
 
 
-def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProblem:
+def _problem(situation: Situation, dangers: FloatArray) -> LocalProblem:
     horizon = situation.settings.horizon
     return LocalProblem(
         initial=situation.initial,
@@ -195,7 +198,7 @@ def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProble
         speed=situation.speed,
         settings=situation.settings,
         offset_limits=situation.offset_limits,
-        threats=np.array(threats).reshape(len(threats), horizon, 6),
+        threats=dangers,
         multiplier=np.zeros((horizon + 1, 3)),
         broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),
     )
