@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from ..dmpc.solvers import AbstractLocalSolver
 from ..ships import ShipId
 from .bus import Bus
-from .events import Decision, Event, Sensed, Solved
+from .events import Decision, Event, Request, Sensed, Solved
 from .ship_agent import ShipAgent
 
 
@@ -53,6 +53,7 @@ def run_period(
         if not awake:
             now = _next_time(bus, wake)
             continue
+        requests: dict[ShipId, Request] = {}
         steps = {ship: agents[ship].step(now, inboxes.pop(ship, [])) for ship in awake}
         for ship, step in steps.items():
             wake.pop(ship, None)
@@ -61,8 +62,10 @@ def run_period(
             for message in step.outbox:
                 bus.post(now, message)
             if step.request is not None:
-                problem = step.request.problem
-                inboxes[ship] = [Solved(problem, solver.best(problem, step.request.guesses))]
+                requests[ship] = step.request
+        solutions = solver.best_of_each([(each.problem, each.guesses) for each in requests.values()])
+        for (ship, request), solution in zip(requests.items(), solutions, strict=True):
+            inboxes[ship] = [Solved(request.problem, solution)]
         decided = {ship: step.decision for ship, step in steps.items() if step.decision is not None}
         decisions |= decided
         if decided:

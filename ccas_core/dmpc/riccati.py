@@ -10,8 +10,11 @@ The formulas are those of `model`, translated by `casadi_to_numba`; the loops st
 from __future__ import annotations
 
 import inspect
+import math
+import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Final
@@ -30,6 +33,7 @@ from .risk import COLUMNS
 from .solvers import AbstractLocalSolver
 
 WIDENING: Final = 10.0  # of B_1, on the way to further answers
+CHUNK: Final = 8  # problems that are worth a thread
 _ENDS: Final = {
     kernel.CONVERGED: Outcome.CONVERGED,
     kernel.LIMIT: Outcome.ITERATION_LIMIT,
@@ -98,7 +102,7 @@ def compiled() -> ModuleType:
     routines = [each for each in vars(kernel).values() if inspect.isfunction(each)]
     numbers = {name: each for name, each in vars(kernel).items() if type(each) in (int, float)}
     try:
-        return compiled_module(stage_functions(), routines, numbers)
+        return compiled_module(stage_functions(), routines, numbers, [kernel.Task, kernel.Batch])
     except ImportError as error:
         raise InputError(
             Diagnostic(
@@ -114,9 +118,22 @@ def _widening() -> FloatArray:
     return np.array([WIDENING if name in {"gamma_s", "gamma_y"} else 1.0 for name in CONSTANTS])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Riccati(AbstractLocalSolver):
     """Differential dynamic programming with control limits, for any horizon and number of threats.
+
+    Parameters
+    ----------
+    threads
+        How many problems are solved at the same time, where there are many; as many as this process
+        has cores, unless given.  Answers do not depend on it.
 
     Notes
     -----
@@ -124,6 +141,7 @@ class Riccati(AbstractLocalSolver):
     """
 
     name: str = "riccati"
+    threads: int = field(default_factory=cores)
     loops: ModuleType = field(default_factory=compiled, init=False, repr=False)
     widening: FloatArray = field(default_factory=_widening, init=False, repr=False)
 
@@ -139,47 +157,116 @@ class Riccati(AbstractLocalSolver):
         found so come after all others, and win if they are better.  A single guess is followed as it is:
         it asks for the minimum next to it, as an iteration of NADMM does that goes on from its own plan.
         """
-        starts = tuple(guesses)
-        return self.choose(self.solve_all(problem, starts, widen=len(starts) > 1))
+        return self.best_of_each([(problem, tuple(guesses))])[0]
+
+    def best_of_each(self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]]) -> list[Solution]:
+        """Answer several problems at once, on all cores."""
+        return [self.choose(answers) for answers in self._answers(tasks, widen=True)]
 
     def solve_all(
         self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
     ) -> list[Solution]:
-        """Minimise from each guess, and once more from each if `widen`; each took its part of the time."""
-        began = time.perf_counter()
-        starts = np.array(list(guesses), dtype=np.float64)
-        horizon = problem.settings.horizon
-        if starts.shape[1:] != (horizon, CONTROLS):
-            raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {starts.shape[1:]}")
-        answers = len(starts) * (2 if widen else 1)
-        low, high = np.zeros((horizon, CONTROLS)), np.ones((horizon, CONTROLS))
-        low[:, 0], high[:, 0] = problem.offset_limits[:, 0], problem.offset_limits[:, 1]
-        initial = problem.initial
-        task = kernel.Task(
-            start=np.array([initial.x, initial.y, initial.course, problem.last_offset], dtype=np.float64),
+        """Minimise from each guess, and once more from each of several if `widen`."""
+        return self._answers([(problem, tuple(guesses))], widen=widen)[0]
+
+    def _answers(
+        self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]], *, widen: bool
+    ) -> list[list[Solution]]:
+        """Answers from all guesses of each problem; problems of one horizon make a batch."""
+        horizons: dict[int, list[int]] = {}
+        for n, (problem, guesses) in enumerate(tasks):
+            horizon = problem.settings.horizon
+            for guess in guesses:
+                if np.shape(guess) != (horizon, CONTROLS):
+                    raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {np.shape(guess)}")
+            horizons.setdefault(horizon, []).append(n)
+        found: dict[int, list[Solution]] = {}
+        for members in horizons.values():
+            batch = self._batch([tasks[n] for n in members], widen=widen)
+            found |= zip(members, self._descended([tasks[n][0] for n in members], batch), strict=True)
+        return [found[n] for n in range(len(tasks))]
+
+    def _batch(
+        self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]], *, widen: bool
+    ) -> kernel.Batch:
+        problems = [problem for problem, _ in tasks]
+        guesses = [len(each) for _, each in tasks]
+        limits = np.array([problem.offset_limits for problem in problems])
+        low, high = np.zeros_like(limits), np.ones_like(limits)
+        low[:, :, 0], high[:, :, 0] = limits[:, :, 0], limits[:, :, 1]
+        anchors = np.empty((*limits.shape[:2], 6))
+        anchors[:, :, :3] = [problem.multiplier[1:] for problem in problems]
+        anchors[:, :, 3:] = [problem.broadcast.poses[1:] for problem in problems]
+        starts = [(p.initial.x, p.initial.y, p.initial.course, p.last_offset) for p in problems]
+        return self.loops.Batch(  # type: ignore[no-any-return]  # the same class, of the compiled module
+            start=np.array(starts, dtype=np.float64),
             low=low,
             high=high,
-            constants=constants(problem),
-            anchors=np.hstack([problem.multiplier[1:], problem.broadcast.poses[1:]]),
-            threats=np.array(problem.threats, order="C"),
+            constants=np.array([constants(problem) for problem in problems]),
+            widening=self.widening,
+            anchors=anchors,
+            threats=np.concatenate([problem.threats for problem in problems]),
+            first_threat=_firsts([len(problem.threats) for problem in problems]),
+            guesses=np.array([guess for _, each in tasks for guess in each], dtype=np.float64),
+            first_guess=_firsts(guesses),
+            first_answer=_firsts([2 * count if widen and count > 1 else count for count in guesses]),
         )
+
+    def _descended(self, problems: Sequence[LocalProblem], batch: kernel.Batch) -> list[list[Solution]]:
+        """Run the loops, in chunks on several threads; a problem takes its part of the time of its chunk."""
+        horizon, answers = batch.low.shape[1], int(batch.first_answer[-1])
         controls = np.empty((answers, horizon, CONTROLS))
         states = np.empty((answers, horizon + 1, STATES))
         ends = np.empty((answers, 3))
-        widened = task._replace(constants=task.constants * self.widening)
-        self.loops.descend_all(task, widened, starts, controls, states, ends)
-        possible = bool(np.all(low <= high))
-        seconds = (time.perf_counter() - began) / answers
-        solutions = []
-        for plan, path, (value, iterations, end) in zip(controls, states, ends, strict=True):
-            outcome = _ENDS[int(end)] if possible else Outcome.INFEASIBLE
-            solutions.append(
-                Solution(
-                    plan=LocalPlan(controls=plan, trajectory=PathTrajectory(path[:, :3])),
-                    objective=float(value),
-                    outcome=outcome,
-                    iterations=int(iterations),
-                    seconds=seconds,
-                )
+
+        def descend(chunk: tuple[int, int]) -> float:
+            began = time.perf_counter()
+            self.loops.descend_batch(batch, *chunk, controls, states, ends)
+            return time.perf_counter() - began
+
+        chunks = _chunks(len(problems), self.threads)
+        spent = [descend(chunks[0])] if len(chunks) == 1 else _pool(self.threads).map(descend, chunks)
+        seconds = np.empty(answers)
+        for (begin, end), time_spent in zip(chunks, spent, strict=True):
+            rows = slice(batch.first_answer[begin], batch.first_answer[end])
+            effort = ends[rows, 1] + 1.0  # iterations
+            seconds[rows] = time_spent * effort / np.sum(effort)
+        possible = np.all(batch.low <= batch.high, axis=(1, 2))
+        found = []
+        for b in range(len(problems)):
+            rows = range(int(batch.first_answer[b]), int(batch.first_answer[b + 1]))
+            found.append(
+                [
+                    Solution(
+                        plan=LocalPlan(controls=controls[n], trajectory=PathTrajectory(states[n, :, :3])),
+                        objective=float(ends[n, 0]),
+                        outcome=_ENDS[int(ends[n, 2])] if possible[b] else Outcome.INFEASIBLE,
+                        iterations=int(ends[n, 1]),
+                        seconds=float(seconds[n]),
+                    )
+                    for n in rows
+                ]
             )
-        return solutions
+        return found
+
+
+def _firsts(counts: Sequence[int]) -> kernel.IntArray:
+    """Row at which each begins, and the end."""
+    return np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
+
+
+def _chunks(problems: int, threads: int) -> list[tuple[int, int]]:
+    """Cut problems into runs, a few a thread, for some take longer; none is smaller than `CHUNK` but the last."""
+    size = max(CHUNK, math.ceil(problems / (4 * threads))) if threads > 1 else max(1, problems)
+    return [(begin, min(begin + size, problems)) for begin in range(0, problems, size)]
+
+
+_POOLS: Final[dict[tuple[int, int], ThreadPoolExecutor]] = {}
+
+
+def _pool(threads: int) -> ThreadPoolExecutor:
+    """Threads that are kept; a process that was forked off has none, and gets its own."""
+    key = os.getpid(), threads
+    if key not in _POOLS:
+        _POOLS[key] = ThreadPoolExecutor(threads, thread_name_prefix="riccati")
+    return _POOLS[key]

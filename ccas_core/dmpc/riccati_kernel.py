@@ -9,11 +9,15 @@ arrays and `math` only.  Notation: Q and V are the cost to go of a stage with an
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
+from numpy.typing import NDArray
+
 from ..frames import FloatArray
+
+IntArray: TypeAlias = NDArray[np.int64]
 
 # How a descent ends; the other numbers of `NUMBERS` are tolerances.
 CONVERGED: Final = 0
@@ -48,6 +52,24 @@ class Task(NamedTuple):
     constants: FloatArray
     anchors: FloatArray  # z and p~ of the stages 1 ... N, (N, 6)
     threats: FloatArray  # (n, N, 6)
+
+
+class Batch(NamedTuple):
+    """Local problems of one horizon as arrays, B of them one after the other; problem b has the rows
+    `first[b]` to `first[b + 1]` of what comes in different numbers.
+    """
+
+    start: FloatArray  # (B, 4)
+    low: FloatArray  # (B, N, 2)
+    high: FloatArray  # (B, N, 2)
+    constants: FloatArray  # (B, 14)
+    widening: FloatArray  # factors of the constants in the widened problem, (14,)
+    anchors: FloatArray  # (B, N, 6)
+    threats: FloatArray  # of all problems, (n, N, 6)
+    first_threat: IntArray  # (B + 1,)
+    guesses: FloatArray  # (m, N, 2)
+    first_guess: IntArray  # (B + 1,)
+    first_answer: IntArray  # (B + 1,)
 
 
 if TYPE_CHECKING:
@@ -347,3 +369,23 @@ def descend_all(
                     value, end = ends[known, 0], int(ends[known, 2])
                     break
         ends[m, 0], ends[m, 1], ends[m, 2] = value, iterations, end
+
+
+def descend_batch(
+    batch: Batch, begin: int, end: int, controls: FloatArray, states: FloatArray, ends: FloatArray
+) -> None:
+    """Minimise the problems from `begin` until before `end`, each as `descend_all` does."""
+    for b in range(begin, end):
+        threats = batch.threats[batch.first_threat[b] : batch.first_threat[b + 1]]
+        parts = batch.start[b], batch.low[b], batch.high[b]
+        task = Task(*parts, batch.constants[b], batch.anchors[b], threats)
+        widened = Task(*parts, batch.constants[b] * batch.widening, batch.anchors[b], threats)
+        first, last = batch.first_answer[b], batch.first_answer[b + 1]
+        descend_all(
+            task,
+            widened,
+            batch.guesses[batch.first_guess[b] : batch.first_guess[b + 1]],
+            controls[first:last],
+            states[first:last],
+            ends[first:last],
+        )

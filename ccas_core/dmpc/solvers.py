@@ -56,6 +56,10 @@ class AbstractLocalSolver(ABC):
         """
         return self.choose([self.solve(problem, guess) for guess in guesses])
 
+    def best_of_each(self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]]) -> list[Solution]:
+        """Answer several problems, each as `best` does; a solver may take them all at once."""
+        return [self.best(problem, guesses) for problem, guesses in tasks]
+
     @staticmethod
     def choose(answers: Sequence[Solution]) -> Solution:
         """Choose among the answers from several guesses, as `best` says."""
