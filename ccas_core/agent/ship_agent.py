@@ -23,7 +23,7 @@ from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import Opening, PriorityGraph, settle
+from ..priority import Opening, bearing, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
@@ -163,7 +163,8 @@ class ShipAgent:
 
     def _judge(self, period: Period) -> list[Message]:
         ruleset = self._rulesets[period.own.ruleset]
-        period.judged = assign(ruleset, self._situation(period), self.ship.id)
+        period.situation = self._situation(period)
+        period.judged = assign(ruleset, period.situation, self.ship.id)
         period.phase = Phase.SETTLING
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
@@ -175,7 +176,7 @@ class ShipAgent:
     def _settle(self, now: float, period: Period) -> list[Message]:
         masses = {ship: report.ship.mass for ship, report in period.reports.items()}
         masses[self.ship.id] = self.ship.mass
-        situation = self._situation(period)
+        situation = period.situation or self._situation(period)
         settlements = []
         for mine in period.judged:
             theirs = self._heard_on_me(period, mine)
@@ -265,9 +266,7 @@ class ShipAgent:
         """Control settings for the encounters at hand: crossing prevails over head-on (Sec. 5.4)."""
         profile = self._settings.profile
         if profile is None:
-            masses = {self.ship.id: self.ship.mass} | {s: r.ship.mass for s, r in period.reports.items()}
-            graph = PriorityGraph(masses=masses, settlements=period.settlements)
-            met = {graph.bearing(self.ship.id, other).geometry for other in period.reports}
+            met = {bearing(each, self.ship.id).geometry for each in period.settlements}
             profile = Geometry.CROSSING if Geometry.CROSSING in met else Geometry.HEAD_ON
         return self._settings.profiles[profile]
 

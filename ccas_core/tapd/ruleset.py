@@ -28,15 +28,18 @@ class Situation:
 
     world: World
     encounters: Mapping[Pair, Encounter] = field(default_factory=dict)
+    _assessed: dict[Pair, PairFacts] = field(default_factory=dict, init=False, repr=False)  # so far
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "encounters", MappingProxyType(dict(self.encounters)))
 
     def facts(self, own: ShipId, other: ShipId) -> PairFacts:
         """Facts about two ships, as `own` sees them."""
-        reports = self.world.reports
-        memory = self.encounters.get((min(own, other), max(own, other)), NO_ENCOUNTER)
-        return assess(self.world.waters, reports[own], reports[other], memory)
+        if (own, other) not in self._assessed:
+            reports = self.world.reports
+            memory = self.encounters.get((min(own, other), max(own, other)), NO_ENCOUNTER)
+            self._assessed[own, other] = assess(self.world.waters, reports[own], reports[other], memory)
+        return self._assessed[own, other]
 
 
 class AbstractRuleset(ABC):
