@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -148,8 +149,7 @@ class PathFrame:
     def to_path(self, pose: NedPose) -> PathPose:
         """Read a pose of {n} in this frame; the course comes back in (-pi, pi]."""
         if len(self._courses) > 1:
-            x, y, course = self._into(np.array([[pose.x, pose.y, pose.course]]))[0].tolist()
-            return PathPose(x, y, wrap(course))
+            return _on_bent_line(self, pose)
         (x0, y0), (cos, sin) = self.vertices[0].tolist(), self._tangents[0].tolist()
         away_x, away_y = pose.x - x0, pose.y - y0
         course = pose.course - float(self._courses[0])
@@ -230,3 +230,10 @@ class PathFrame:
         found[:, 1] = start[:, 1] + along * tangent[:, 1] + poses[:, 1] * tangent[:, 0]
         found[:, 2] = poses[:, 2] + self._courses[segment]
         return found
+
+
+@lru_cache(maxsize=4096)
+def _on_bent_line(frame: PathFrame, pose: NedPose) -> PathPose:
+    """Read a pose; whoever looks at a ship next asks for the same ones again."""
+    x, y, course = frame.trajectory_to_path(NedTrajectory(np.array([[pose.x, pose.y, pose.course]]))).poses[0]
+    return PathPose(float(x), float(y), wrap(float(course)))

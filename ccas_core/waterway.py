@@ -199,11 +199,15 @@ class GuidingLine:
     def offset_limits_at(self, x: FloatArray, beam: float) -> FloatArray:
         """As `offset_limits`, at each of several distances along the line, (n, 2) [m]."""
         limits = np.empty((len(x), 2))
-        index = np.maximum(np.searchsorted(self.leg_starts, x, side="right") - 1, 0)
-        for n in set(index.tolist()):
-            at = index == n
-            room = self.widths[n] / 2.0 - beam / 2.0 - BANK_MARGIN
-            offset = self.legs[n].offset if self.frame.is_straight else self._beside_centreline(n, x[at])
+        leg = np.maximum(np.searchsorted(self.leg_starts, x, side="right") - 1, 0)
+        for index in sorted(set(leg.tolist())):
+            at = leg == index
+            room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
+            offset = (
+                np.full(np.sum(at), self.legs[index].offset)
+                if self.frame.is_straight
+                else self._beside_centreline(index, x[at])
+            )
             limits[at, 0] = np.minimum(0.0, np.maximum(-OFFSET_LIMIT, -room - offset))
             limits[at, 1] = np.maximum(0.0, np.minimum(OFFSET_LIMIT, room - offset))
         return limits

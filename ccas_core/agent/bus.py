@@ -35,8 +35,8 @@ class Bus:
     delay: float = 0.0
     seed: int = 0
     _hearers: dict[ShipId, tuple[ShipId, ...]] = field(default_factory=dict, init=False)
-    _queue: list[tuple[float, int, ShipId, Message]] = field(default_factory=list, init=False)
-    _sent: int = field(default=0, init=False)
+    _times: list[float] = field(default_factory=list, init=False)  # of arrival, a heap
+    _due: dict[float, list[tuple[ShipId, Message]]] = field(default_factory=dict, init=False)  # in the order sent
     _counts: dict[ShipId, int] = field(default_factory=dict, init=False)
 
     def join(
@@ -59,21 +59,24 @@ class Bus:
         for receiver in self._hearers.get(message.sender, ()):
             lost, delay = self._fate(message.sender, receiver, count)
             if not lost:
-                heapq.heappush(self._queue, (now + delay, self._sent, receiver, message))
-                self._sent += 1
+                when = now + delay
+                if when not in self._due:
+                    heapq.heappush(self._times, when)
+                    self._due[when] = []
+                self._due[when].append((receiver, message))
 
     def collect(self, now: float) -> dict[ShipId, list[Message]]:
         """Take what has arrived by now, by receiver, in order of arrival."""
         arrived: dict[ShipId, list[Message]] = {}
-        while self._queue and self._queue[0][0] <= now:
-            _, _, receiver, message = heapq.heappop(self._queue)
-            if receiver in self._hearers:
-                arrived.setdefault(receiver, []).append(message)
+        while self._times and self._times[0] <= now:
+            for receiver, message in self._due.pop(heapq.heappop(self._times)):
+                if receiver in self._hearers:
+                    arrived.setdefault(receiver, []).append(message)
         return arrived
 
     def next_arrival(self) -> float | None:
         """Time of the next arrival [s]; None if nothing is on its way."""
-        return self._queue[0][0] if self._queue else None
+        return self._times[0] if self._times else None
 
     def _fate(self, sender: ShipId, receiver: ShipId, count: int) -> tuple[bool, float]:
         if self.loss == 0.0 and self.delay == 0.0:

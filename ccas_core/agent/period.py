@@ -49,7 +49,8 @@ def run_period(
     while len(decisions) < len(agents):
         for ship, messages in bus.collect(now).items():
             inboxes.setdefault(ship, []).extend(messages)
-        awake = sorted(ship for ship in agents if inboxes.get(ship) or wake.get(ship, now + 1.0) <= now)
+        due = {ship for ship, at in wake.items() if at <= now}
+        awake = sorted(due | (inboxes.keys() & agents.keys()))
         if not awake:
             now = _next_time(bus, wake)
             continue

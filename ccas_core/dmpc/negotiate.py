@@ -6,7 +6,7 @@ All are values: a `Negotiation` is carried from one iteration to the next by `ad
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class Situation:
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
+    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # in the own frame, so far
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,8 +119,7 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     situation = negotiation.situation
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
-    problem = _problem(situation, _threats(situation, neighbours))
-    return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
+    return _problem(situation, _threats(situation, neighbours), half, negotiation.iterate.broadcast)
 
 
 def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
@@ -174,10 +174,13 @@ def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> FloatArra
     settings = situation.settings
     if not neighbours:
         return np.empty((0, settings.horizon, COLUMNS))
-    told = np.vstack([each.trajectory.poses for each in neighbours])
-    poses = situation.frame.trajectory_to_path(NedTrajectory(told)).poses
+    new = [each.trajectory for each in neighbours if each.trajectory not in situation.read]
+    if new:
+        told = NedTrajectory(np.vstack([each.poses for each in new]))
+        poses = situation.frame.trajectory_to_path(told).poses
+        situation.read.update(zip(new, poses.reshape(len(new), settings.horizon + 1, 3), strict=True))
     hulls = [each.hull for each in neighbours]
-    poses = poses.reshape(len(neighbours), settings.horizon + 1, 3)
+    poses = np.array([situation.read[each.trajectory] for each in neighbours])
     return threats(situation.hull, hulls, poses, settings.risk, settings.weights)
 
 
@@ -190,8 +193,13 @@ def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     return True
 
 
-def _problem(situation: Situation, dangers: FloatArray) -> LocalProblem:
-    horizon = situation.settings.horizon
+def _problem(
+    situation: Situation,
+    dangers: FloatArray,
+    multiplier: FloatArray | None = None,
+    broadcast: FloatArray | None = None,
+) -> LocalProblem:
+    zero = np.zeros((situation.settings.horizon + 1, 3))
     return LocalProblem(
         initial=situation.initial,
         last_offset=situation.last_offset,
@@ -199,8 +207,8 @@ def _problem(situation: Situation, dangers: FloatArray) -> LocalProblem:
         settings=situation.settings,
         offset_limits=situation.offset_limits,
         threats=dangers,
-        multiplier=np.zeros((horizon + 1, 3)),
-        broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),
+        multiplier=zero if multiplier is None else multiplier,
+        broadcast=PathTrajectory(zero if broadcast is None else broadcast),
     )
 
 
