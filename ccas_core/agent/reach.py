@@ -58,10 +58,12 @@ def neighbours(reaches: Mapping[ShipId, Reach], apart: float) -> dict[ShipId, tu
     """Find for each ship those whose reach lies nearer than `apart` [m], by a spatial index."""
     import shapely
 
+    if not reaches:
+        return {}
     ships = sorted(reaches)
     points = [reaches[ship].points for ship in ships]
     owners = np.repeat(np.arange(len(ships)), [len(each) for each in points])
-    lines = shapely.linestrings(np.vstack(points), indices=owners) if ships else np.array([])
+    lines = shapely.linestrings(np.vstack(points), indices=owners)
     one, other = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=apart)
     found: dict[ShipId, list[ShipId]] = {ship: [] for ship in ships}
     for a, b in zip(one.tolist(), other.tolist(), strict=True):
