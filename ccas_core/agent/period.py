@@ -1,22 +1,26 @@
 """Driver of one control period: passes messages, wakes ships, solves what they ask for.
 
 The driver knows no rule and takes no decision.  In each round all ships that have something to do take
-a step, each on what had arrived when the round began; then their problems are solved, and their
-messages are sent.  Simulated time moves on only when nothing is left to do now.
+a step, each on what had arrived when the round began; their problems are solved together, and their
+messages arrive in the next round at the earliest.  Simulated time moves on only when nothing is left to do now.
 """
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Final
 
+from ..dmpc.local_problem import Solution
 from ..dmpc.solvers import AbstractLocalSolver
 from ..ships import ShipId
 from .bus import Bus
 from .events import Decision, Event, Request, Sensed, Solved
 from .ship_agent import ShipAgent
+
+TOGETHER: Final = 128  # ships whose problems are handed to the solver at once, while the next ships step
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,23 +72,30 @@ def _run(
         if not awake:
             now = _next_time(bus, wake)
             continue
-        requests: dict[ShipId, Request] = {}
-        steps = {ship: agents[ship].step(now, inboxes.pop(ship, [])) for ship in awake}
-        for ship, step in steps.items():
-            wake.pop(ship, None)
-            if step.wake_at is not None:
-                wake[ship] = step.wake_at
-            for message in step.outbox:
-                bus.post(now, message)
-            if step.request is not None:
-                requests[ship] = step.request
-        solutions = solver.best_of_each([(each.problem, each.guesses) for each in requests.values()])
-        for (ship, request), solution in zip(requests.items(), solutions, strict=True):
-            inboxes[ship] = [Solved(request.problem, solution)]
-        decided = {ship: step.decision for ship, step in steps.items() if step.decision is not None}
-        decisions |= decided
+        decided = []
+        asked: list[tuple[list[tuple[ShipId, Request]], Callable[[], list[Solution]]]] = []
+        for some in (awake[n : n + TOGETHER] for n in range(0, len(awake), TOGETHER)):
+            requests = []
+            for ship in some:
+                step = agents[ship].step(now, inboxes.pop(ship, []))
+                wake.pop(ship, None)
+                if step.wake_at is not None:
+                    wake[ship] = step.wake_at
+                for message in step.outbox:
+                    bus.post(now, message)
+                if step.request is not None:
+                    requests.append((ship, step.request))
+                if step.decision is not None:
+                    decisions[ship] = step.decision
+                    decided.append(ship)
+            if requests:
+                tasks = [(each.problem, each.guesses) for _, each in requests]
+                asked.append((requests, solver.begin(tasks)))
+        for requests, answers in asked:
+            for (ship, request), solution in zip(requests, answers(), strict=True):
+                inboxes[ship] = [Solved(request.problem, solution)]
         if decided:
-            generations.append(tuple(sorted(decided)))
+            generations.append(tuple(decided))
     return PeriodLog(decisions=decisions, generations=tuple(generations))
 
 

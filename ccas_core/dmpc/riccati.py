@@ -13,9 +13,9 @@ import inspect
 import math
 import os
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Final
 
@@ -30,7 +30,7 @@ from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
 from .risk import COLUMNS
-from .solvers import AbstractLocalSolver
+from .solvers import AbstractLocalSolver, Task
 
 WIDENING: Final = 10.0  # of B_1, on the way to further answers
 CHUNK: Final = 8  # problems that are worth a thread
@@ -157,22 +157,21 @@ class Riccati(AbstractLocalSolver):
         found so come after all others, and win if they are better.  A single guess is followed as it is:
         it asks for the minimum next to it, as an iteration of NADMM does that goes on from its own plan.
         """
-        return self.best_of_each([(problem, tuple(guesses))])[0]
+        return self.choose(self._begin([(problem, tuple(guesses))], widen=True)()[0])
 
-    def best_of_each(self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]]) -> list[Solution]:
-        """Answer several problems at once, on all cores."""
-        return [self.choose(answers) for answers in self._answers(tasks, widen=True)]
+    def begin(self, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+        """Begin to answer several problems, each as `best` does, on all cores."""
+        answers = self._begin(tasks, widen=True)
+        return lambda: [self.choose(each) for each in answers()]
 
     def solve_all(
         self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
     ) -> list[Solution]:
         """Minimise from each guess, and once more from each of several if `widen`."""
-        return self._answers([(problem, tuple(guesses))], widen=widen)[0]
+        return self._begin([(problem, tuple(guesses))], widen=widen)()[0]
 
-    def _answers(
-        self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]], *, widen: bool
-    ) -> list[list[Solution]]:
-        """Answers from all guesses of each problem; problems of one horizon make a batch."""
+    def _begin(self, tasks: Sequence[Task], *, widen: bool) -> Callable[[], list[list[Solution]]]:
+        """Begin to find answers from all guesses of each problem; those of one horizon make a batch."""
         horizons: dict[int, list[int]] = {}
         for n, (problem, guesses) in enumerate(tasks):
             horizon = problem.settings.horizon
@@ -180,15 +179,20 @@ class Riccati(AbstractLocalSolver):
                 if np.shape(guess) != (horizon, CONTROLS):
                     raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {np.shape(guess)}")
             horizons.setdefault(horizon, []).append(n)
-        found: dict[int, list[Solution]] = {}
-        for members in horizons.values():
-            batch = self._batch([tasks[n] for n in members], widen=widen)
-            found |= zip(members, self._descended([tasks[n][0] for n in members], batch), strict=True)
-        return [found[n] for n in range(len(tasks))]
+        batches = [
+            (members, _Descent(self, self._batch([tasks[n] for n in members], widen=widen)))
+            for members in horizons.values()
+        ]
 
-    def _batch(
-        self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]], *, widen: bool
-    ) -> kernel.Batch:
+        def answers() -> list[list[Solution]]:
+            found = {}
+            for members, descent in batches:
+                found |= zip(members, descent.solutions(), strict=True)
+            return [found[n] for n in range(len(tasks))]
+
+        return answers
+
+    def _batch(self, tasks: Sequence[Task], *, widen: bool) -> kernel.Batch:
         problems = [problem for problem, _ in tasks]
         guesses = [len(each) for _, each in tasks]
         limits = np.array([problem.offset_limits for problem in problems])
@@ -212,42 +216,57 @@ class Riccati(AbstractLocalSolver):
             first_answer=_firsts([2 * count if widen and count > 1 else count for count in guesses]),
         )
 
-    def _descended(self, problems: Sequence[LocalProblem], batch: kernel.Batch) -> list[list[Solution]]:
-        """Run the loops, in chunks on several threads; a problem takes its part of the time of its chunk."""
-        horizon, answers = batch.low.shape[1], int(batch.first_answer[-1])
-        controls = np.empty((answers, horizon, CONTROLS))
-        states = np.empty((answers, horizon + 1, STATES))
-        ends = np.empty((answers, 3))
 
-        def descend(chunk: tuple[int, int]) -> float:
-            began = time.perf_counter()
-            self.loops.descend_batch(batch, *chunk, controls, states, ends)
-            return time.perf_counter() - began
+class _Descent:
+    """Descents of a batch under way: a small one is made at once, others on threads, in chunks."""
 
-        chunks = _chunks(len(problems), self.threads)
-        spent = [descend(chunks[0])] if len(chunks) == 1 else _pool(self.threads).map(descend, chunks)
-        seconds = np.empty(answers)
-        for (begin, end), time_spent in zip(chunks, spent, strict=True):
-            rows = slice(batch.first_answer[begin], batch.first_answer[end])
-            effort = ends[rows, 1] + 1.0  # iterations
-            seconds[rows] = time_spent * effort / np.sum(effort)
+    def __init__(self, solver: Riccati, batch: kernel.Batch) -> None:
+        problems, horizon = batch.low.shape[:2]
+        answers = int(batch.first_answer[-1])
+        self._batch = batch
+        self._descend = solver.loops.descend_batch
+        self._controls = np.empty((answers, horizon, CONTROLS))
+        self._states = np.empty((answers, horizon + 1, STATES))
+        self._ends = np.empty((answers, 3))
+        self._chunks = _chunks(problems, solver.threads)
+        self._spent: Iterable[float] = (
+            _pool(solver.threads).map(self._run, self._chunks)
+            if len(self._chunks) > 1
+            else [self._run(chunk) for chunk in self._chunks]
+        )
+
+    def _run(self, chunk: tuple[int, int]) -> float:
+        began = time.perf_counter()
+        self._descend(self._batch, *chunk, self._controls, self._states, self._ends)
+        return time.perf_counter() - began
+
+    def solutions(self) -> list[list[Solution]]:
+        """Wait for the answers; each takes its part of the time of its chunk, by iterations."""
+        batch, firsts, ends = self._batch, self._batch.first_answer.tolist(), self._ends
+        seconds = np.empty(len(ends))
+        for (begin, end), spent in zip(self._chunks, self._spent, strict=True):
+            rows = slice(firsts[begin], firsts[end])
+            effort = ends[rows, 1] + 1.0
+            seconds[rows] = spent * effort / np.sum(effort)
         possible = np.all(batch.low <= batch.high, axis=(1, 2))
-        found = []
-        for b in range(len(problems)):
-            rows = range(int(batch.first_answer[b]), int(batch.first_answer[b + 1]))
-            found.append(
-                [
-                    Solution(
-                        plan=LocalPlan(controls=controls[n], trajectory=PathTrajectory(states[n, :, :3])),
-                        objective=float(ends[n, 0]),
-                        outcome=_ENDS[int(ends[n, 2])] if possible[b] else Outcome.INFEASIBLE,
-                        iterations=int(ends[n, 1]),
-                        seconds=float(seconds[n]),
-                    )
-                    for n in rows
-                ]
+        answers = [
+            Solution(
+                plan=LocalPlan(controls=controls, trajectory=PathTrajectory(states[:, :3])),
+                objective=value,
+                outcome=_ENDS[int(end)],
+                iterations=int(iterations),
+                seconds=time_spent,
             )
-        return found
+            for controls, states, (value, iterations, end), time_spent in zip(
+                self._controls, self._states, ends.tolist(), seconds.tolist(), strict=True
+            )
+        ]
+        return [
+            answers[first:last]
+            if sound
+            else [replace(each, outcome=Outcome.INFEASIBLE) for each in answers[first:last]]
+            for first, last, sound in zip(firsts, firsts[1:], possible.tolist(), strict=False)
+        ]
 
 
 def _firsts(counts: Sequence[int]) -> kernel.IntArray:
@@ -256,8 +275,8 @@ def _firsts(counts: Sequence[int]) -> kernel.IntArray:
 
 
 def _chunks(problems: int, threads: int) -> list[tuple[int, int]]:
-    """Cut problems into runs, a few a thread, for some take longer; none is smaller than `CHUNK` but the last."""
-    size = max(CHUNK, math.ceil(problems / (4 * threads))) if threads > 1 else max(1, problems)
+    """Cut problems into runs, a few a thread, for some take longer; small ones are not worth it."""
+    size = max(CHUNK, math.ceil(problems / (2 * threads))) if threads > 1 else max(1, problems)
     return [(begin, min(begin + size, problems)) for begin in range(0, problems, size)]
 
 

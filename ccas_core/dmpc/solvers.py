@@ -13,7 +13,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -40,6 +40,9 @@ class _Programme:
     upper: Callable[[LocalProblem], FloatArray]
 
 
+Task: TypeAlias = tuple[LocalProblem, Sequence[FloatArray]]  # a problem, and guesses of its controls, (N, 2)
+
+
 class AbstractLocalSolver(ABC):
     """Minimises local problems; two methods, no state that a caller can see."""
 
@@ -56,9 +59,12 @@ class AbstractLocalSolver(ABC):
         """
         return self.choose([self.solve(problem, guess) for guess in guesses])
 
-    def best_of_each(self, tasks: Sequence[tuple[LocalProblem, Sequence[FloatArray]]]) -> list[Solution]:
-        """Answer several problems, each as `best` does; a solver may take them all at once."""
-        return [self.best(problem, guesses) for problem, guesses in tasks]
+    def begin(self, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+        """Begin to answer several problems, each as `best` does; what comes back waits for the answers.
+
+        A solver may take them all at once, and go on while its caller does something else.
+        """
+        return lambda: [self.best(problem, guesses) for problem, guesses in tasks]
 
     @staticmethod
     def choose(answers: Sequence[Solution]) -> Solution:
