@@ -235,5 +235,5 @@ class PathFrame:
 @lru_cache(maxsize=4096)
 def _on_bent_line(frame: PathFrame, pose: NedPose) -> PathPose:
     """Read a pose; whoever looks at a ship next asks for the same ones again."""
-    x, y, course = frame.trajectory_to_path(NedTrajectory(np.array([[pose.x, pose.y, pose.course]]))).poses[0]
-    return PathPose(float(x), float(y), wrap(float(course)))
+    x, y, course = frame._into(np.array([[pose.x, pose.y, pose.course]]))[0].tolist()  # noqa: SLF001 - its own
+    return PathPose(x, y, wrap(course))

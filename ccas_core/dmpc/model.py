@@ -125,8 +125,8 @@ def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:
 def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
     """Sail controls (N, 2) from the initial pose, held within their bounds."""
     limits = problem.offset_limits
-    offset = np.clip(controls[:, 0], limits[:, 0], limits[:, 1])
-    factor = np.clip(controls[:, 1], 0.0, 1.0)
+    offset = np.minimum(np.maximum(controls[:, 0], limits[:, 0]), limits[:, 1])
+    factor = np.minimum(np.maximum(controls[:, 1], 0.0), 1.0)
     start = problem.initial
     motion = {
         "speed": problem.speed,
@@ -136,8 +136,8 @@ def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
         "steering_gain": problem.settings.kinematics.steering_gain,
     }
     poses = [(start.x, start.y, start.course)]
-    for k in range(len(offset)):
-        poses.append(kinematics.step(poses[-1], float(offset[k]), float(factor[k]), **motion))
+    for aside, slowed in zip(offset.tolist(), factor.tolist(), strict=True):
+        poses.append(kinematics.step(poses[-1], aside, slowed, **motion))
     return LocalPlan(controls=np.column_stack([offset, factor]), trajectory=PathTrajectory(np.array(poses)))
 
 

@@ -18,7 +18,7 @@ from ..waterway import Leg, Towards, Waters, Waterway, guiding_line
 from .scenario import Plan, Scenario
 
 SPACING: Final = 10_000.0  # between waterways of one direction, about [m]
-CROSSINGS: Final = 4  # of one waterway, at most
+CROSSINGS: Final = 3  # of one waterway, at most
 MEANDER: Final = 150.0  # of a river, to either side [m]
 VERTEX: Final = 1_250.0  # between vertices of a river [m]
 CLEAR: Final = 500.0  # of a crossing, and of the ends of a waterway, no ship starts nearer [m]
