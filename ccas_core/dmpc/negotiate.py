@@ -50,7 +50,7 @@ class Situation:
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
-    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # in the own frame, so far
+    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # rows of `risk.threats`, so far
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,14 +174,14 @@ def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> FloatArra
     settings = situation.settings
     if not neighbours:
         return np.empty((0, settings.horizon, COLUMNS))
-    new = [each.trajectory for each in neighbours if each.trajectory not in situation.read]
+    new = [each for each in neighbours if each.trajectory not in situation.read]
     if new:
-        told = NedTrajectory(np.vstack([each.poses for each in new]))
-        poses = situation.frame.trajectory_to_path(told).poses
-        situation.read.update(zip(new, poses.reshape(len(new), settings.horizon + 1, 3), strict=True))
-    hulls = [each.hull for each in neighbours]
-    poses = np.array([situation.read[each.trajectory] for each in neighbours])
-    return threats(situation.hull, hulls, poses, settings.risk, settings.weights)
+        told = NedTrajectory(np.vstack([each.trajectory.poses for each in new]))
+        poses = situation.frame.trajectory_to_path(told).poses.reshape(len(new), settings.horizon + 1, 3)
+        hulls = [each.hull for each in new]
+        rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights)
+        situation.read.update(zip((each.trajectory for each in new), rows, strict=True))
+    return np.array([situation.read[each.trajectory] for each in neighbours])
 
 
 def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
