@@ -182,6 +182,13 @@ def compiled_module(
     return _imported(name, text)
 
 
+def is_compiled(function: Any) -> bool:
+    """Whether machine code of a function of a `compiled_module` waits in the cache."""
+    code = function.py_func.__code__
+    pattern = f"{Path(code.co_filename).stem}.{function.__name__}-{code.co_firstlineno}.*.nbi"
+    return any(Path(function.stats.cache_path).glob(pattern))
+
+
 _HEADER: Final = '''"""Written by ccas_core.dmpc.casadi_to_numba; may be deleted."""
 
 from __future__ import annotations

@@ -23,12 +23,13 @@ import casadi as ca
 import numpy as np
 
 from ..errors import Diagnostic, InputError
-from ..frames import FloatArray, PathTrajectory
+from ..frames import FloatArray, PathPose, PathTrajectory
 from . import riccati_kernel as kernel
-from .casadi_to_numba import compiled_module
+from .casadi_to_numba import compiled_module, is_compiled
 from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
+from .parameters import Settings
 from .risk import COLUMNS
 from .solvers import AbstractLocalSolver, Task
 
@@ -144,6 +145,30 @@ class Riccati(AbstractLocalSolver):
     threads: int = field(default_factory=cores)
     loops: ModuleType = field(default_factory=compiled, init=False, repr=False)
     widening: FloatArray = field(default_factory=_widening, init=False, repr=False)
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Have the loops compiled, or load what an earlier start has compiled."""
+        if is_compiled(self.loops.descend_batch):
+            tell = None
+        if tell is not None:
+            tell("compiling solver riccati for this machine; that is done once, and takes some seconds")
+        began = time.perf_counter()
+        none = PathTrajectory(np.zeros((2, 3)))
+        self.solve(
+            LocalProblem(
+                initial=PathPose(0.0, 0.0, 0.0),
+                last_offset=0.0,
+                speed=1.0,
+                settings=Settings(horizon=1),
+                offset_limits=np.zeros((1, 2)),
+                threats=np.empty((0, 1, COLUMNS)),
+                multiplier=none.poses,
+                broadcast=none,
+            ),
+            np.zeros((1, CONTROLS)),
+        )
+        if tell is not None:
+            tell(f"compiled in {time.perf_counter() - began:.0f} s")
 
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
         """Minimise from one guess of the controls, (N, 2)."""

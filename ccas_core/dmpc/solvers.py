@@ -1,6 +1,6 @@
 """Ways to minimise the local problem (13b): `ipopt`, as the paper, and `fatrop`, by stages.
 
-A third, `riccati`, has a module of its own.
+A third, `riccati`, has a module of its own.  It is the default where numba, which it needs, is installed.
 
 A solver is a resource: it builds a nonlinear programme once for a horizon and a number of threats,
 and is then called like a function.  It returns a `Solution` whatever happens.
@@ -10,9 +10,12 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.util import find_spec
 from typing import Any, Final, TypeAlias
 
 import casadi as ca
@@ -47,6 +50,10 @@ class AbstractLocalSolver(ABC):
     """Minimises local problems; two methods, no state that a caller can see."""
 
     name: str
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Do what is done once and takes a while, such as compiling; `tell` hears of it if it is done now."""
+        del tell
 
     @abstractmethod
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
@@ -344,11 +351,28 @@ SOLVERS: Final[dict[str, Callable[[], AbstractLocalSolver]]] = {
     "ipopt": Ipopt,
     "riccati": _riccati,
 }
-DEFAULT_SOLVER: Final = "fatrop"
+FASTEST: Final = "riccati"
+WITHOUT_NUMBA: Final = "fatrop"
 
 
-def make_solver(name: str) -> AbstractLocalSolver:
-    """Make a solver by its name; `InputError` where there is none of that name."""
+@cache
+def default_solver() -> str:
+    """Name of the fastest solver that can be used here; that it is not the fastest of all is told once."""
+    if find_spec("numba") is not None:
+        return FASTEST
+    warnings.warn(
+        f"numba is not installed: solver {WITHOUT_NUMBA!r} stands in for {FASTEST!r}, which is tens of times "
+        "faster; `pip install numba` brings it",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return WITHOUT_NUMBA
+
+
+def make_solver(name: str | None = None) -> AbstractLocalSolver:
+    """Make a solver by its name, or the default one; `InputError` where there is none of that name."""
+    if name is None:
+        name = default_solver()
     if name not in SOLVERS:
         raise InputError(
             Diagnostic(source="solver", message=f"unknown solver {name!r}", hint=did_you_mean(name, SOLVERS))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
@@ -11,6 +12,7 @@ import typer
 from . import talk
 
 if TYPE_CHECKING:
+    from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
 
@@ -33,9 +35,13 @@ RulesetId: TypeAlias = Annotated[
     ),
 ]
 SolverName: TypeAlias = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--solver", metavar="NAME", help="Solver of the ships' local problems: riccati, fatrop or ipopt."
+        "--solver",
+        metavar="NAME",
+        help="Solver of the ships' local problems: riccati, which is the default where numba is installed, "
+        "fatrop or ipopt.",
+        show_default=False,
     ),
 ]
 
@@ -55,6 +61,19 @@ def ask_plugins(context: typer.Context) -> Plugins:
 
     trace = (lambda line: talk.note(f"hook: {line}")) if context.obj else None
     return plugins.load(trace=trace)
+
+
+def ready_solver(name: str | None, *, quiet: bool = False) -> AbstractLocalSolver:
+    """Make a solver, the default one unless it is named; what takes a while is told on stderr."""
+    from ccas_core.dmpc.solvers import make_solver
+
+    with warnings.catch_warnings(record=True) as remarks:
+        warnings.simplefilter("always", RuntimeWarning)
+        solver = make_solver(name)
+    for remark in remarks:
+        talk.note(str(remark.message))
+    solver.prepare(None if quiet else talk.note)
+    return solver
 
 
 def scenario_file(name: str) -> Path:
