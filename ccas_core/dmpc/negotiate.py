@@ -94,7 +94,7 @@ def begin(situation: Situation) -> Negotiation:
     """
     controls = situation.last_controls
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
-        controls = _guess(Start.NOMINAL, situation)
+        controls = guess(Start.NOMINAL, situation.offset_limits)
     plan = rollout(_problem(situation, _threats(situation, ())), controls)
     return Negotiation(
         situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
@@ -130,7 +130,7 @@ def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
     starts = situation.settings.starts
     if situation.last_controls is None:
         starts = tuple(start for start in starts if start is not Start.LAST) or (Start.NOMINAL,)
-    return tuple(_guess(start, situation) for start in starts)
+    return tuple(guess(start, situation.offset_limits, situation.last_controls) for start in starts)
 
 
 def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution) -> Negotiation:
@@ -212,13 +212,14 @@ def _problem(
     )
 
 
-def _guess(start: Start, situation: Situation) -> FloatArray:
-    if start is Start.LAST and situation.last_controls is not None:
-        return situation.last_controls
-    horizon = situation.settings.horizon
+def guess(start: Start, offset_limits: FloatArray, last_controls: FloatArray | None = None) -> FloatArray:
+    """Controls (N, 2) of a start; without a last plan, `last` is nominal."""
+    if start is Start.LAST and last_controls is not None:
+        return last_controls
+    horizon = len(offset_limits)
     offset, factor = np.zeros(horizon), np.ones(horizon)
     if start is Start.STARBOARD:
-        offset = situation.offset_limits[:, 1] / 2.0
+        offset = offset_limits[:, 1] / 2.0
     elif start is Start.SLOW:
         factor = np.full(horizon, SLOW_FACTOR)
     return np.column_stack([offset, factor])

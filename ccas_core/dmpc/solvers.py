@@ -312,22 +312,22 @@ def _parameters(horizon: int, threats: int) -> tuple[Any, ca.SX, ca.SX, ca.SX, c
 
 
 class Recorder(AbstractLocalSolver):
-    """A solver that keeps what it is asked, every start of it, and has another one answer."""
+    """A solver that keeps what it is asked, and has another one answer."""
 
     def __init__(self, inner: AbstractLocalSolver) -> None:
         self.name = inner.name
-        self.starts: list[tuple[LocalProblem, FloatArray]] = []
+        self.tasks: list[Task] = []
         self._inner = inner
 
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
-        """Keep a start, and have it solved."""
-        self.starts.append((problem, guess))
+        """Keep a problem with its guess, and have it solved."""
+        self.tasks.append((problem, (guess,)))
         return self._inner.solve(problem, guess)
 
     def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
-        """Keep all starts, and have them solved."""
+        """Keep a problem with all its guesses, and have it solved."""
         known = tuple(guesses)
-        self.starts += [(problem, guess) for guess in known]
+        self.tasks.append((problem, known))
         return self._inner.best(problem, known)
 
 
