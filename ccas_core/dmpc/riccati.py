@@ -177,9 +177,9 @@ class Riccati(AbstractLocalSolver):
     def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
         """Minimise from several guesses in one call; the first of equally good answers wins.
 
-        The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So each guess
-        is followed a second time by way of a problem whose B_1 is `WIDENING` times wider; answers
-        found so come after all others, and win if they are better.  A single guess is followed as it is:
+        The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So the first guess
+        is followed a second time, by way of a problem whose B_1 is `WIDENING` times wider; the answer
+        found so comes after all others, and wins if it is better.  A single guess is followed as it is:
         it asks for the minimum next to it, as an iteration of NADMM does that goes on from its own plan.
         """
         return self.choose(self._begin([(problem, tuple(guesses))], widen=True)()[0])
@@ -192,7 +192,7 @@ class Riccati(AbstractLocalSolver):
     def solve_all(
         self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
     ) -> list[Solution]:
-        """Minimise from each guess, and once more from each of several if `widen`."""
+        """Minimise from each guess, and once more from the first of several if `widen`."""
         return self._begin([(problem, tuple(guesses))], widen=widen)()[0]
 
     def _begin(self, tasks: Sequence[Task], *, widen: bool) -> Callable[[], list[list[Solution]]]:
@@ -238,7 +238,7 @@ class Riccati(AbstractLocalSolver):
             first_threat=_firsts([len(problem.threats) for problem in problems]),
             guesses=np.array([guess for _, each in tasks for guess in each], dtype=np.float64),
             first_guess=_firsts(guesses),
-            first_answer=_firsts([2 * count if widen and count > 1 else count for count in guesses]),
+            first_answer=_firsts([count + (widen and count > 1) for count in guesses]),
         )
 
 

@@ -34,7 +34,6 @@ ROUGH_GRADIENT: Final = 1e-5  # the same, where rounding lets no step descend an
 DECREASE: Final = 1e-13  # of the objective, relative, for which another step is not worth while
 ROUGH_DECREASE: Final = 1e-3  # the same, of the widened problem
 BETTER: Final = 1e-9  # relative difference above which two objectives differ
-ALIKE: Final = 1e-4  # the same, of the widened problem, which is solved roughly
 FLOOR: Final = 1e-6  # least eigenvalue of Q_uu
 SMALL_SHIFT: Final = 1e-2  # of Q_uu
 GREATEST_SHIFT: Final = 1e12
@@ -339,11 +338,11 @@ def descend_all(
 ) -> None:
     """Minimise from guesses (m, N, 2); a row of `ends` is what `descend` returns.
 
-    Where there is room for 2 m answers, the latter m are found by way of the `widened` problem;
-    those whose way joins that of an earlier one are not repeated, and get a copy of its answer.
+    Where there is room for one more answer, it is found from the first guess by way of the `widened`
+    problem.
     """
     count = len(guesses)
-    ways, near = np.empty(count), np.empty_like(guesses[0])
+    near = np.empty_like(guesses[0])
     for m in range(len(ends)):
         guess, iterations = guesses[m % count], 0
         for leg in range(0 if m >= count else 1, 2):
@@ -358,16 +357,6 @@ def descend_all(
             if leg == 0:
                 copy(controls[m], near)
                 guess = near
-                ways[m - count] = value
-                known = -1
-                for n in range(m - count - 1, -1, -1):
-                    if abs(ways[n] - value) <= ALIKE * max(1.0, abs(value)):
-                        known = count + n
-                if known >= 0:
-                    copy(controls[known], controls[m])
-                    copy(states[known], states[m])
-                    value, end = ends[known, 0], int(ends[known, 2])
-                    break
         ends[m, 0], ends[m, 1], ends[m, 2] = value, iterations, end
 
 
