@@ -36,7 +36,9 @@ class Bus:
     seed: int = 0
     _hearers: dict[ShipId, tuple[ShipId, ...]] = field(default_factory=dict, init=False)
     _times: list[float] = field(default_factory=list, init=False)  # of arrival, a heap
-    _due: dict[float, list[tuple[ShipId, Message]]] = field(default_factory=dict, init=False)  # in the order sent
+    _due: dict[float, list[tuple[ShipId, Message]]] = field(
+        default_factory=dict, init=False
+    )  # in the order sent
     _counts: dict[ShipId, int] = field(default_factory=dict, init=False)
 
     def join(

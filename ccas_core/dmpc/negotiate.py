@@ -188,8 +188,8 @@ def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     poses = plan.trajectory.poses[1:]
     for rows in dangers:
         dx, dy = poses[:, 0] - rows[:, 0], poses[:, 1] - rows[:, 1]
-        if np.any(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 < 1.0):
-            return False
+        if not np.all(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 >= 1.0):
+            return False  # near, or not a number
     return True
 
 

@@ -12,7 +12,6 @@ import math
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from ..frames import FloatArray

@@ -46,9 +46,7 @@ def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weigh
     return threats(own, [other], trajectory.poses[None], risk, weights)[0]
 
 
-def threats(
-    own: Hull, others: Sequence[Hull], poses: FloatArray, risk: Risk, weights: Weights
-) -> FloatArray:
+def threats(own: Hull, others: Sequence[Hull], poses: FloatArray, risk: Risk, weights: Weights) -> FloatArray:
     """Several ships at once, as `threat`: their `poses` are (n, N + 1, 3), the rows (n, N, 6)."""
     rows = np.empty((len(others), poses.shape[1] - 1, COLUMNS))
     if not len(others):

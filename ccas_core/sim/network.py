@@ -12,11 +12,12 @@ from typing import Final
 
 import numpy as np
 
-from ..frames import FloatArray, NedPose, PathPose, frozen_array
+from ..frames import FloatArray, PathPose, frozen_array
 from ..ships import Hull, Ship, ShipId
 from ..waterway import Leg, Towards, Waters, Waterway, guiding_line
 from .scenario import Plan, Scenario
 
+FEWEST: Final = 10  # ships of a network
 SPACING: Final = 10_000.0  # between waterways of one direction, about [m]
 CROSSINGS: Final = 3  # of one waterway, at most
 MEANDER: Final = 150.0  # of a river, to either side [m]
@@ -64,8 +65,10 @@ def network(ships: int, seed: int = 0, density: float = 0.5) -> Scenario:
         Ships a kilometre of waterway.  The European network has some ten thousand vessels on
         some thirty thousand kilometres, and a few on each kilometre where it is busiest.
     """
-    if ships < 1 or not density > 0.0:
-        raise ValueError(f"a network has a ship or more, and a density above zero, got {ships}, {density:g}")
+    if ships < FEWEST or not density > 0.0:
+        raise ValueError(
+            f"a network has {FEWEST} ships or more, and a density above zero, got {ships}, {density:g}"
+        )
     generator = np.random.default_rng([seed, ships])
     lines = max(1, round(math.sqrt(ships / density * 1000.0 / (2.0 * SPACING))))
     spacing = ships / density * 1000.0 / (2.0 * lines**2)
@@ -96,10 +99,10 @@ def _reaches(lines: int, spacing: float) -> dict[str, _Reach]:
         for part in parts:
             name = homes[way, line, part[0]]
             first, last = (part[0] - 0.5) * spacing, (part[-1] + 0.5) * spacing
-            centreline = _river(line * spacing, first, last) if way == 0 else _canal(line * spacing, first, last)
-            crossings = tuple(
-                (cross * spacing - first, homes[1 - way, cross, line]) for cross in part
+            centreline = (
+                _river(line * spacing, first, last) if way == 0 else _canal(line * spacing, first, last)
             )
+            crossings = tuple((cross * spacing - first, homes[1 - way, cross, line]) for cross in part)
             found[name] = _Reach(
                 Waterway(
                     id=name,
@@ -146,7 +149,9 @@ def _lane(
     """Ships of one waterway and direction: clear of crossings, apart from one another."""
     reach = reaches[name]
     length = reach.waterway.frame(towards).length
-    crossings = sorted((at if towards is Towards.END else length - at, other) for at, other in reach.crossings)
+    crossings = sorted(
+        (at if towards is Towards.END else length - at, other) for at, other in reach.crossings
+    )
     places = _places(length, [at for at, _ in crossings], count, generator)
     plans = []
     for number, x in enumerate(places, start=known):

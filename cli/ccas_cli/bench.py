@@ -14,7 +14,7 @@ from .exits import answered
 VOYAGE: Final = "tran2026/fig_12"
 UPDATES: Final = "tran2026/six_ships"
 SCALE: Final = "100,1000,10000"
-MOST_SHIPS: Final = 100_000
+FEWEST_SHIPS, MOST_SHIPS = 10, 100_000
 
 
 @answered
@@ -53,7 +53,9 @@ def bench(
     sizes = _sizes(scale)
     suffixes = (".png", ".pdf", ".svg")
     if picture is not None and (picture.suffix not in suffixes or not picture.absolute().parent.is_dir()):
-        raise typer.BadParameter(f"got {str(picture)!r}; expected a .png, .pdf or .svg in a folder that exists")
+        raise typer.BadParameter(
+            f"got {str(picture)!r}; expected a .png, .pdf or .svg in a folder that exists"
+        )
     from ccas_core.dmpc.solvers import SOLVERS
     from ccas_core.sim.scenario_file import load_scenario
     from ccas_scenarios import path
@@ -100,8 +102,8 @@ def _sizes(text: str) -> list[int]:
         sizes = sorted({int(part) for part in text.split(",")} - {0})
     except ValueError:
         sizes = [-1]
-    if any(not 1 <= size <= MOST_SHIPS for size in sizes):
-        hint = f"expected numbers of ships up to {MOST_SHIPS} with commas, such as {SCALE}"
+    if any(not FEWEST_SHIPS <= size <= MOST_SHIPS for size in sizes):
+        hint = f"expected numbers from {FEWEST_SHIPS} to {MOST_SHIPS} with commas, such as {SCALE}, or 0 for none"
         raise typer.BadParameter(f"got {text!r}; {hint}")
     return sizes
 

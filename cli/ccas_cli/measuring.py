@@ -20,6 +20,7 @@ from ccas_core.dmpc.negotiate import guess
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.solvers import AbstractLocalSolver, Recorder, Task
 from ccas_core.sim.network import network
+from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import load_scenario
 from ccas_core.sim.voyage import voyage
 from ccas_scenarios import names, path
@@ -168,12 +169,14 @@ def agreement(
     Both have the same starts: those of the voyage, and once more all that there are.
     """
     fast, reference = solvers[FAST], solvers[REFERENCE]
+    found = [load_scenario(path(name), rulesets) for name in names()]
     for horizon in HORIZONS:
+        changed = [replace(each, control=replace(each.control, horizon=horizon)) for each in found]
+        # Some differ in their horizon only.
+        apart = {dump_scenario(replace(each, name="", title="", description="")): each for each in changed}
         tasks = []
-        for name in names():
-            scenario = load_scenario(path(name), rulesets)
-            scenario = replace(scenario, control=replace(scenario.control, horizon=horizon))
-            tasks += recorded(scenario, rulesets, fast, -(-count // (len(HORIZONS) * len(names()))))
+        for scenario in apart.values():
+            tasks += recorded(scenario, rulesets, fast, -(-count // (len(HORIZONS) * len(apart))))
         mine = [fast.best(*task) for task in tasks]
         theirs = [reference.best(*task) for task in tasks]
         every = [(problem, every_start(problem, guesses[0])) for problem, guesses in tasks]
@@ -183,7 +186,9 @@ def agreement(
             "neighbours": sorted({len(problem.threats) for problem, _ in tasks}),
             "outside_bounds": sum(not within_bounds(*pair) for pair in zip(tasks, mine, strict=True)),
             **compared(mine, theirs),
-            "all_starts": compared([fast.best(*task) for task in every], [reference.best(*task) for task in every]),
+            "all_starts": compared(
+                [fast.best(*task) for task in every], [reference.best(*task) for task in every]
+            ),
         }
 
 

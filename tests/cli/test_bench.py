@@ -1,0 +1,54 @@
+"""`ccas bench`: what it measures has the keys and the sense that others rely on; times are not judged here."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from . import ccas
+
+pytest.importorskip("numba")
+
+
+def test_json_has_the_figures_that_others_read(tmp_path: Path) -> None:
+    picture = tmp_path / "bench.png"
+    done = ccas("bench", "--json", "--problems", "10", "--scale", "12,30", "--picture", picture)
+    found = json.loads(done.stdout)
+    update = found["update"]
+
+    assert done.exit_code == 0
+    assert {"speed_up_median", "speed_up_all_starts_median", "p99_ms", "not_worse_share"} <= update.keys()
+    assert 0.0 <= update["not_worse_share"] <= 1.0
+    assert update["problems"] >= 10
+    assert update["solvers"].keys() == {"ipopt", "fatrop", "riccati"}
+    assert [row["ships"] for row in found["scale"]] == [12, 30]
+    assert all(
+        row["cost_per_ship_ms"] * row["ships"] == pytest.approx(1e3 * row["seconds"])
+        for row in found["scale"]
+    )
+    assert {"machine", "start_up", "voyage", "growth", "peak_memory_mib"} <= found.keys()
+    assert picture.stat().st_size > 10_000
+
+
+def test_text_says_on_what_machine_and_how_many_times_faster() -> None:
+    done = ccas("bench", "--problems", "10", "--scale", "0")
+
+    assert done.exit_code == 0
+    assert done.stdout.startswith("machine: python ")
+    assert "times faster" in done.stdout
+    assert "networks" not in done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    ["--scale x", "--scale -5", "--scale 5", "--scale 100,,200", "--scale 1e3", "--problems 3", "--problems x",
+     "--agreement -1", "--picture bench.txt", "--picture nowhere/bench.png"],
+)  # fmt: skip
+def test_nonsense_is_refused_before_anything_is_measured(arguments: str) -> None:
+    done = ccas("bench", *arguments.split())
+
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "Error: " in done.stderr
