@@ -2,16 +2,17 @@
 
 The driver knows no rule and takes no decision.  In each round all ships that have something to do take
 a step, each on what had arrived when the round began; their problems are solved together, and their
-messages arrive in the next round at the earliest.  Simulated time moves on only when nothing is left to do now.
+messages arrive in the next round at the earliest.  Simulated time moves on only when nothing is left to
+do now.
 """
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 from ..dmpc.local_problem import Solution
 from ..dmpc.solvers import AbstractLocalSolver
@@ -20,6 +21,7 @@ from .bus import Bus
 from .events import Decision, Event, Request, Sensed, Solved
 from .ship_agent import ShipAgent
 
+_Asked: TypeAlias = tuple[list[tuple[ShipId, Request]], Callable[[], list[Solution]]]
 TOGETHER: Final = 128  # ships whose problems are handed to the solver at once, while the next ships step
 
 
@@ -72,31 +74,45 @@ def _run(
         if not awake:
             now = _next_time(bus, wake)
             continue
-        decided = []
-        asked: list[tuple[list[tuple[ShipId, Request]], Callable[[], list[Solution]]]] = []
-        for some in (awake[n : n + TOGETHER] for n in range(0, len(awake), TOGETHER)):
-            requests = []
-            for ship in some:
-                step = agents[ship].step(now, inboxes.pop(ship, []))
-                wake.pop(ship, None)
-                if step.wake_at is not None:
-                    wake[ship] = step.wake_at
-                for message in step.outbox:
-                    bus.post(now, message)
-                if step.request is not None:
-                    requests.append((ship, step.request))
-                if step.decision is not None:
-                    decisions[ship] = step.decision
-                    decided.append(ship)
-            if requests:
-                tasks = [(each.problem, each.guesses) for _, each in requests]
-                asked.append((requests, solver.begin(tasks)))
+        decided, asked = _stepped(agents, awake, now, inboxes, wake, bus, solver)
         for requests, answers in asked:
             for (ship, request), solution in zip(requests, answers(), strict=True):
                 inboxes[ship] = [Solved(request.problem, solution)]
+        decisions |= decided
         if decided:
             generations.append(tuple(decided))
     return PeriodLog(decisions=decisions, generations=tuple(generations))
+
+
+def _stepped(
+    agents: Mapping[ShipId, ShipAgent],
+    awake: Sequence[ShipId],
+    now: float,
+    inboxes: dict[ShipId, list[Event]],
+    wake: dict[ShipId, float],
+    bus: Bus,
+    solver: AbstractLocalSolver,
+) -> tuple[dict[ShipId, Decision], list[_Asked]]:
+    """Let ships step, take away what they have read, and send what they tell; solving begins meanwhile."""
+    decided: dict[ShipId, Decision] = {}
+    asked: list[_Asked] = []
+    for some in (awake[n : n + TOGETHER] for n in range(0, len(awake), TOGETHER)):
+        requests = []
+        for ship in some:
+            step = agents[ship].step(now, inboxes.pop(ship, []))
+            wake.pop(ship, None)
+            if step.wake_at is not None:
+                wake[ship] = step.wake_at
+            for message in step.outbox:
+                bus.post(now, message)
+            if step.request is not None:
+                requests.append((ship, step.request))
+            if step.decision is not None:
+                decided[ship] = step.decision
+        if requests:
+            tasks = [(each.problem, each.guesses) for _, each in requests]
+            asked.append((requests, solver.begin(tasks)))
+    return decided, asked
 
 
 @contextmanager

@@ -63,7 +63,7 @@ def neighbours(reaches: Mapping[ShipId, Reach], apart: float) -> dict[ShipId, tu
     ships = sorted(reaches)
     points = [reaches[ship].points for ship in ships]
     owners = np.repeat(np.arange(len(ships)), [len(each) for each in points])
-    lines = shapely.linestrings(np.vstack(points), indices=owners)
+    lines = np.asarray(shapely.linestrings(np.vstack(points), indices=owners))
     one, other = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=apart)
     found: dict[ShipId, list[ShipId]] = {ship: [] for ship in ships}
     for a, b in zip(one.tolist(), other.tolist(), strict=True):

@@ -248,7 +248,8 @@ class ShipAgent:
     def _negotiating(self, period: Period) -> negotiate.Situation:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
-        ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
+        steps = np.arange(settings.horizon, dtype=np.float64)
+        ahead = initial.x + self._speed * settings.kinematics.time_step * steps
         limits = self._line.offset_limits_at(ahead, self.ship.hull.beam)
         last = self._last_controls
         return negotiate.Situation(

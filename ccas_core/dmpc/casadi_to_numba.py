@@ -182,10 +182,10 @@ def compiled_module(
     return _imported(name, text)
 
 
-def is_compiled(function: Any) -> bool:
-    """Whether machine code of a function of a `compiled_module` waits in the cache."""
-    code = function.py_func.__code__
-    pattern = f"{Path(code.co_filename).stem}.{function.__name__}-{code.co_firstlineno}.*.nbi"
+def is_compiled(module: ModuleType, name: str) -> bool:
+    """Whether machine code of a routine of a `compiled_module` waits in the cache."""
+    function = getattr(module, name)
+    pattern = f"{module.__name__}.{name}-{function.py_func.__code__.co_firstlineno}.*.nbi"
     return any(Path(function.stats.cache_path).glob(pattern))
 
 

@@ -148,7 +148,7 @@ class Riccati(AbstractLocalSolver):
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Have the loops compiled, or load what an earlier start has compiled."""
-        if is_compiled(self.loops.descend_batch):
+        if is_compiled(self.loops, "descend_batch"):
             tell = None
         if tell is not None:
             tell("compiling solver riccati for this machine; that is done once, and takes some seconds")
@@ -210,7 +210,7 @@ class Riccati(AbstractLocalSolver):
         ]
 
         def answers() -> list[list[Solution]]:
-            found = {}
+            found: dict[int, list[Solution]] = {}
             for members, descent in batches:
                 found |= zip(members, descent.solutions(), strict=True)
             return [found[n] for n in range(len(tasks))]

@@ -53,8 +53,9 @@ class Task(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """Local problems of one horizon as arrays, B of them one after the other; problem b has the rows
-    `first[b]` to `first[b + 1]` of what comes in different numbers.
+    """Local problems of one horizon as arrays, B of them.
+
+    What comes in different numbers lies one after the other: problem b has rows `first[b]` to `first[b + 1]`.
     """
 
     start: FloatArray  # (B, 4)

@@ -43,7 +43,8 @@ def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weigh
     along the other's course, and its semi-axes are kappa times the half-extents of both hulls there:
     the text ties alpha to the other's "size, shape, and current speed".
     """
-    return threats(own, [other], trajectory.poses[None], risk, weights)[0]
+    rows: FloatArray = threats(own, [other], trajectory.poses[None], risk, weights)[0]
+    return rows
 
 
 def threats(own: Hull, others: Sequence[Hull], poses: FloatArray, risk: Risk, weights: Weights) -> FloatArray:

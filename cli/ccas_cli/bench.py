@@ -28,7 +28,7 @@ def bench(
         int,
         typer.Option(
             metavar="NUMBER",
-            help="Problems of all shipped scenarios, N = 30, 45, 60, on which riccati is compared with ipopt.",
+            help="Problems of all shipped scenarios, N = 30, 45, 60, to compare riccati with ipopt on.",
             min=0,
         ),
     ] = 0,
@@ -40,10 +40,9 @@ def bench(
     """Measure updates, voyages, growing networks, memory and start-up on this machine, side by side.
 
     Updates: local problems of the six-ship voyage of Table 2 (N = 45), each solved by every solver from the
-    same start; only the solver call is timed. "All starts" is riccati from four starts and what it finds on the
-    way from each, with everything around it, against one start of ipopt. The voyage is that of Fig. 12.
-    Networks: waterways with junctions at 0.5 ships a kilometre; one control period of 20 s with 3 iterations,
-    from the reports to the rudder.
+    same start; only the solver call is timed. "All starts" is riccati from all of its starts against one
+    start of ipopt. The voyage is that of Fig. 12. Networks: waterways with junctions at 0.5 ships a
+    kilometre; one control period of 20 s with 3 iterations, from the reports to the rudder.
 
     Example:
         ccas bench
@@ -103,8 +102,8 @@ def _sizes(text: str) -> list[int]:
     except ValueError:
         sizes = [-1]
     if any(not FEWEST_SHIPS <= size <= MOST_SHIPS for size in sizes):
-        hint = f"expected numbers from {FEWEST_SHIPS} to {MOST_SHIPS} with commas, such as {SCALE}, or 0 for none"
-        raise typer.BadParameter(f"got {text!r}; {hint}")
+        expected = f"numbers from {FEWEST_SHIPS} to {MOST_SHIPS} with commas, such as {SCALE}; or 0"
+        raise typer.BadParameter(f"got {text!r}; expected {expected}")
     return sizes
 
 
@@ -147,8 +146,8 @@ def _show_updates(update: Mapping[str, Any], voyage: Mapping[str, Any]) -> None:
         for name, figures in update["solvers"].items()
     ]
     talk.show(
-        f"\n{update['problems']} updates of {UPDATES}, N = 45, one start each, against {update['reference']}; "
-        f"voyage {VOYAGE}"
+        f"\n{update['problems']} updates of {UPDATES}, N = 45, one start each, "
+        f"against {update['reference']}; voyage {VOYAGE}"
     )
     talk.show_table(
         ("solver", ">median [ms]", ">p99 [ms]", ">max [ms]", ">times faster", ">converged", ">same optimum",
@@ -156,7 +155,8 @@ def _show_updates(update: Mapping[str, Any], voyage: Mapping[str, Any]) -> None:
         rows,
     )  # fmt: skip
     talk.show(
-        f"{update['solver']} from all starts: median {update['median_ms']:.2f} ms, p99 {update['p99_ms']:.2f} ms, "
+        f"{update['solver']} from all starts, with everything around it: "
+        f"median {update['median_ms']:.2f} ms, p99 {update['p99_ms']:.2f} ms, "
         f"{update['speed_up_all_starts_median']:.1f} times faster than one start of {update['reference']}, "
         f"not worse in {100.0 * update['not_worse_share']:.1f} %"
     )

@@ -1,4 +1,4 @@
-"""`ccas bench`: what it measures has the keys and the sense that others rely on; times are not judged here."""
+"""`ccas bench`: what it measures has the keys that others rely on; times are not judged here."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def test_text_says_on_what_machine_and_how_many_times_faster() -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    ["--scale x", "--scale -5", "--scale 5", "--scale 100,,200", "--scale 1e3", "--problems 3", "--problems x",
-     "--agreement -1", "--picture bench.txt", "--picture nowhere/bench.png"],
+    ["--scale x", "--scale -5", "--scale 5", "--scale 100,,200", "--scale 1e3", "--problems 3",
+     "--problems x", "--agreement -1", "--picture bench.txt", "--picture nowhere/bench.png"],
 )  # fmt: skip
 def test_nonsense_is_refused_before_anything_is_measured(arguments: str) -> None:
     done = ccas("bench", *arguments.split())

@@ -1,12 +1,11 @@
-"""One model: `ipopt`, `fatrop` and `riccati` minimise the same function, and a formula is changed for all at once."""
+"""One model: three solvers minimise one function, and a formula that changes does so for all."""
 
 from __future__ import annotations
 
 import inspect
 import math
 from dataclasses import replace
-from types import FunctionType, SimpleNamespace
-from typing import Any
+from types import FunctionType, ModuleType
 
 import casadi as ca
 import numpy as np
@@ -70,7 +69,7 @@ def _programme(
     return float(there["f"]), reduced.reshape(horizon, CONTROLS)
 
 
-def _loops(loops: Any, problem: LocalProblem, plan: LocalPlan) -> tuple[float, FloatArray]:
+def _loops(loops: ModuleType, problem: LocalProblem, plan: LocalPlan) -> tuple[float, FloatArray]:
     """The same of the loops of `riccati`."""
     horizon = len(plan.controls)
     start = problem.initial
@@ -102,25 +101,27 @@ def _loops(loops: Any, problem: LocalProblem, plan: LocalPlan) -> tuple[float, F
     return value, gradient
 
 
-def _interpreted() -> SimpleNamespace:
+def _interpreted() -> ModuleType:
     """The loops of `riccati` as Python runs them, made anew from the model."""
-    names: dict[str, Any] = {"math": math, "np": np}
+    module = ModuleType("interpreted")
+    names = vars(module)
+    names |= {"math": math, "np": np}
     for function in stage_functions():
         exec(python_source(function), names)  # noqa: S102
     for name, routine in vars(riccati_kernel).items():
         if inspect.isfunction(routine):
             names[name] = FunctionType(routine.__code__, names)
-    return SimpleNamespace(**names)
+    return module
 
 
 @pytest.fixture(scope="module")
-def loops() -> Any:
+def loops() -> ModuleType:
     pytest.importorskip("numba")
     return Riccati().loops
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_three_solvers_have_one_objective_and_one_gradient(seed: int, loops: Any) -> None:
+def test_three_solvers_have_one_objective_and_one_gradient(seed: int, loops: ModuleType) -> None:
     problem, plan = _random(100 + seed)
     (ipopt, slope), (fatrop, same_slope), (riccati, other_slope) = (
         _programme(Ipopt, problem, plan),
@@ -146,8 +147,8 @@ def test_a_formula_that_changes_changes_for_all_three(monkeypatch: pytest.Monkey
     problem, plan = _random(200)
     effort = cost.control_effort
 
-    def dearer(offset: Any, last_offset: Any, speed_factor: Any, K_y: Any, K_s: Any) -> Any:
-        return effort(offset, last_offset, speed_factor, K_y, K_s) + (1.0 - speed_factor)
+    def dearer(offset: ca.SX, last: ca.SX, speed_factor: ca.SX, K_y: ca.SX, K_s: ca.SX) -> ca.SX:
+        return effort(offset, last, speed_factor, K_y, K_s) + (1.0 - speed_factor)
 
     before = _all_three(problem, plan)
     monkeypatch.setattr(cost, "control_effort", dearer)
