@@ -74,7 +74,7 @@ def cut_off(own: Hull, other: Hull, settings: Settings, tolerance: float) -> flo
     --------
     >>> hull = Hull(length=103.0, beam=11.45)
     >>> round(cut_off(hull, hull, Settings(), 1e-6))
-    698
+    413
     """
     risk = settings.risk
     if risk.shape is RiskShape.AXIS_BOUND:

@@ -120,7 +120,7 @@ def loops() -> ModuleType:
     return Riccati().loops
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_three_solvers_have_one_objective_and_one_gradient(seed: int, loops: ModuleType) -> None:
     problem, plan = _random(100 + seed)
     (ipopt, slope), (fatrop, same_slope), (riccati, other_slope) = (

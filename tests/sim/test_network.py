@@ -52,7 +52,7 @@ def test_every_ship_of_a_network_has_a_command_whatever_the_number_of_threads() 
     pytest.importorskip("numba")
     from ccas_core.dmpc.riccati import Riccati
 
-    scenario, rulesets = network(150), plugins.load().rulesets
+    scenario, rulesets = network(60), plugins.load().rulesets
     told = []
     for solver in (make_solver("riccati"), Riccati(threads=1), Riccati(threads=3)):
         frames = voyage(scenario, rulesets, solver)
@@ -60,6 +60,6 @@ def test_every_ship_of_a_network_has_a_command_whatever_the_number_of_threads() 
         frame = next(frames)
         told.append([(ship.offset, ship.speed_factor, ship.pose) for ship in frame.ships.values()])
 
-    assert len(told[0]) == 150
+    assert len(told[0]) == 60
     assert told[0] == told[1] == told[2]
     assert all(abs(offset) <= 60.0 and 0.0 <= factor <= 1.0 for offset, factor, _ in told[0])
