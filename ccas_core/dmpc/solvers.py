@@ -47,7 +47,7 @@ Task: TypeAlias = tuple[LocalProblem, Sequence[FloatArray]]  # a problem, and gu
 
 
 class AbstractLocalSolver(ABC):
-    """Minimises local problems; two methods, no state that a caller can see."""
+    """Minimises local problems, from one guess or several; no state that a caller can see."""
 
     name: str
 

@@ -22,7 +22,9 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(measuring, "start_up", lambda: {"help_seconds": 0.1})
 
 
-def test_json_has_the_figures_that_others_read(tmp_path: Path) -> None:
+def test_json_has_the_figures_that_others_read_and_text_shows_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     picture = tmp_path / "bench.png"
     done = ccas("bench", "--json", "--problems", "10", "--scale", "12,30", "--picture", picture)
     found = json.loads(done.stdout)
@@ -41,14 +43,12 @@ def test_json_has_the_figures_that_others_read(tmp_path: Path) -> None:
     assert {"machine", "start_up", "voyage", "growth", "peak_memory_mib"} <= found.keys()
     assert picture.stat().st_size > 10_000
 
+    bench._show(found)
+    text = capsys.readouterr().out
 
-def test_text_says_on_what_machine_and_how_many_times_faster() -> None:
-    done = ccas("bench", "--problems", "10", "--scale", "0")
-
-    assert done.exit_code == 0
-    assert done.stdout.startswith("machine: python ")
-    assert "times faster" in done.stdout
-    assert "networks" not in done.stdout
+    assert text.startswith("machine: python ")
+    assert "times faster" in text
+    assert "networks, one control period of 20 s" in text
 
 
 @pytest.mark.parametrize(
