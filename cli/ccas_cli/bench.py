@@ -76,7 +76,10 @@ def bench(
         result["voyage"][name] = {"seconds": seconds}
     if agreement:
         talk.note(f"recording {agreement} problems or more of all shipped scenarios, and solving them")
-        result["agreement"] = list(measuring.agreement(rulesets, solvers, agreement))
+        result["agreement"] = []
+        for row in measuring.agreement(rulesets, solvers, agreement):
+            result["agreement"].append(row)
+            talk.note(f"N = {row['horizon']}: {row['problems']} problems, {row['worse']} worse")
     result["scale"] = []
     for found in measuring.scale(sizes, rulesets, fast):
         result["scale"].append(found)
