@@ -37,6 +37,8 @@ from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Ste
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
 
+FORGOTTEN: Final = 10  # periods of silence after which an encounter is forgotten
+
 
 class ShipAgent:
     """One ship: its knowledge, and what it does with it.
@@ -77,6 +79,7 @@ class ShipAgent:
         self._last_offset = 0.0
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
+        self._last_heard: dict[ShipId, int] = {}  # period of the last report
         self._period: Period | None = None
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
@@ -187,6 +190,7 @@ class ShipAgent:
                 self._encounters[pair] = encounter
             if (mine.kind, theirs.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(mine, theirs, masses))
+        self._forget(period)
         period.settlements = tuple(settlements)
         edges = [
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
@@ -198,6 +202,13 @@ class ShipAgent:
         period.progressed = now
         period.negotiation = negotiate.begin(self._negotiating(period))
         return [Gossip(self.ship.id, period.index, {self.ship.id: waiting}, frozenset())]
+
+    def _forget(self, period: Period) -> None:
+        """Forget encounters with ships that have long been silent or out of reach: memory is bounded."""
+        self._last_heard |= dict.fromkeys(period.reports, period.index)
+        for other in [o for o, last in self._last_heard.items() if period.index - last > FORGOTTEN]:
+            del self._last_heard[other]
+            self._encounters.pop((min(self.ship.id, other), max(self.ship.id, other)), None)
 
     def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
         """The other ship's verdict on this one; one that did not come decides nothing."""

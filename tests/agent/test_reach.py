@@ -11,12 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ccas_core.agent.reach import FORESIGHT, ROLE_FACTOR, TOLERANCE, WIDTH, neighbours, reach, separation
+from ccas_core.agent.ship_agent import FORGOTTEN
 from ccas_core.dmpc.parameters import CROSSING, HEAD_ON, PROFILES, RiskShape, Settings
 from ccas_core.dmpc.risk import cut_off, threat
 from ccas_core.frames import PathTrajectory
 from ccas_core.ships import Hull, ShipId
 from ccas_core.sim.network import network
 from ccas_core.waterway import Leg, Towards, Waters, Waterway, guiding_line
+
+from . import FLEET, Decreed, agent, period
 
 A, B, C = (ShipId(letter) for letter in "abc")
 LONG = Hull(length=110.0, beam=11.4)
@@ -131,3 +134,20 @@ def test_ship_never_leaves_the_width_beside_its_line(course: float) -> None:
         widest = max(widest, abs(pose[1]))
 
     assert widest < WIDTH
+
+
+def test_encounter_with_a_ship_that_has_left_for_long_is_forgotten() -> None:
+    rules = Decreed([(FLEET[0], FLEET[1])])
+    agents = {ship: agent(ship, rules) for ship in FLEET[:2]}
+    period(agents)
+    known = dict(agents[FLEET[0]]._encounters)
+    alone = {FLEET[0]: agents[FLEET[0]]}
+    for index in range(1, FORGOTTEN + 1):
+        period(alone, index=index)
+    kept = dict(agents[FLEET[0]]._encounters)
+    period(alone, index=FORGOTTEN + 1)
+
+    assert known
+    assert kept.keys() == known.keys()
+    assert agents[FLEET[0]]._encounters == {}
+    assert agents[FLEET[0]]._last_heard == {}
