@@ -84,7 +84,8 @@ def bench(
     for found in measuring.scale(sizes, rulesets, fast):
         result["scale"].append(found)
         talk.note(f"{found['ships']} ships: {found['seconds']:.2f} s a period")
-    result["growth"] = _growth(result["scale"])
+    result["growth"] = _growth(result["scale"], "seconds")
+    result["cpu_growth"] = _growth(result["scale"], "cpu_seconds")
     result["peak_memory_mib"] = measuring.peak_memory()
     if picture is not None:
         from ccas_core.sim.bench_drawing import draw_bench
@@ -110,11 +111,12 @@ def _sizes(text: str) -> list[int]:
     return sizes
 
 
-def _growth(scale: Sequence[Mapping[str, Any]]) -> float | None:
+def _growth(scale: Sequence[Mapping[str, Any]], key: str) -> float | None:
     """Cost of a ship in the largest network over that in the smallest."""
     if len(scale) < 2:
         return None
-    return float(scale[-1]["cost_per_ship_ms"] / scale[0]["cost_per_ship_ms"])
+    smallest, largest = (row[key] / row["ships"] for row in (scale[0], scale[-1]))
+    return float(largest / smallest)
 
 
 # --- text --------------------------------------------------------------------------------------
@@ -131,7 +133,7 @@ def _show(result: Mapping[str, Any]) -> None:
     if "agreement" in result:
         _show_agreement(result["agreement"])
     if result["scale"]:
-        _show_scale(result["scale"], result["growth"])
+        _show_scale(result["scale"], result["growth"], result["cpu_growth"])
 
 
 def _show_updates(update: Mapping[str, Any], voyage: Mapping[str, Any]) -> None:
@@ -189,16 +191,17 @@ def _show_agreement(rows: Sequence[Mapping[str, Any]]) -> None:
     )  # fmt: skip
 
 
-def _show_scale(rows: Sequence[Mapping[str, Any]], growth: float | None) -> None:
+def _show_scale(rows: Sequence[Mapping[str, Any]], growth: float | None, cpu_growth: float | None) -> None:
     talk.show("\nnetworks, one control period of 20 s, 3 iterations")
     talk.show_table(
-        (">ships", ">period [s]", ">a ship [ms]", ">first period [s]", ">encounters", ">generations",
-         ">fallbacks", ">peak memory [MiB]"),
+        (">ships", ">period [s]", ">a ship [ms]", ">CPU [s]", ">first period [s]", ">encounters",
+         ">generations", ">fallbacks", ">peak memory [MiB]"),
         [
             (
                 str(row["ships"]),
                 f"{row['seconds']:.2f}",
                 f"{row['cost_per_ship_ms']:.2f}",
+                f"{row['cpu_seconds']:.2f}",
                 f"{row['first_seconds']:.2f}",
                 str(row["encounters"]),
                 str(row["generations"]),
@@ -209,4 +212,7 @@ def _show_scale(rows: Sequence[Mapping[str, Any]], growth: float | None) -> None
         ],
     )  # fmt: skip
     if growth is not None:
-        talk.show(f"a ship costs {growth:.2f} times as much in the largest network as in the smallest")
+        talk.show(
+            f"a ship costs {growth:.2f} times as much in the largest network as in the smallest "
+            f"(CPU: {cpu_growth:.2f})"
+        )

@@ -218,16 +218,21 @@ def scale(
         frames = voyage(network(ships, seed), rulesets, solver)
         began = time.perf_counter()
         next(frames)
-        first, seconds, frame = time.perf_counter() - began, [], None
+        first, frame = time.perf_counter() - began, None
+        seconds, busy = [], []
         for _ in range(max(2, min(10, 3000 // ships))):
-            began = time.perf_counter()
+            began, busy_before = time.perf_counter(), time.process_time()
             frame = next(frames)
             seconds.append(time.perf_counter() - began)
+            busy.append(time.process_time() - busy_before)
         period = float(np.median(seconds))
         yield {
             "ships": ships,
             "seconds": period,
             "cost_per_ship_ms": 1000.0 * period / ships,
+            "cpu_seconds": float(
+                np.median(busy)
+            ),  # of all threads: what others do on the machine counts less
             "first_seconds": first,
             "encounters": len(frame.settlements) if frame else 0,
             "generations": len(frame.generations) if frame else 0,
