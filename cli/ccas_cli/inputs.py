@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
@@ -12,6 +13,7 @@ import typer
 from . import talk
 
 if TYPE_CHECKING:
+    from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
 
@@ -36,9 +38,13 @@ RulesetId: TypeAlias = Annotated[
     ),
 ]
 SolverName: TypeAlias = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--solver", metavar="NAME", help="Solver of the ships' local problems: riccati, fatrop or ipopt."
+        "--solver",
+        metavar="NAME",
+        help="Solver of the ships' local problems: riccati, which is the default where numba is installed, "
+        "fatrop or ipopt.",
+        show_default=False,
     ),
 ]
 
@@ -80,6 +86,19 @@ def ask_plugins(context: typer.Context) -> Plugins:
     ):
         talk.note(f"{PLUGINS}: there is no plugin {name!r}")
     return found
+
+
+def ready_solver(name: str | None, *, quiet: bool = False) -> AbstractLocalSolver:
+    """Make a solver, the default one unless it is named; what takes a while is told on stderr."""
+    from ccas_core.dmpc.solvers import make_solver
+
+    with warnings.catch_warnings(record=True) as remarks:
+        warnings.simplefilter("always", RuntimeWarning)
+        solver = make_solver(name)
+    for remark in remarks:
+        talk.note(str(remark.message))
+    solver.prepare(None if quiet else talk.note)
+    return solver
 
 
 def scenario_file(name: str) -> Path:
