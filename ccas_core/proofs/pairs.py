@@ -97,18 +97,25 @@ def consistent(questions: Questions) -> Finding:
                     kind="contradiction",
                 ),
             )
-        elif mirrored and turned(duty(rule.outcome, swapped=False)) != duty(rule.outcome, swapped=False):
-            _both_ways(tally, questions, place)
+        elif mirrored:
+            for other_way in own.places:
+                if other_way.swapped and other_way.rule.id == rule.id and not _fit(rule, other_way.rule):
+                    _both_ways(tally, questions, place, other_way)
     if not mirrored:
         _unmirrored(tally, questions, own, other)
     return tally.finding("consistent")
 
 
-def _both_ways(tally: Tally, questions: Questions, place: Place) -> None:
+def _fit(one: Rule, other: Rule) -> bool:
+    """Whether what both ships have by rules, each its own ship's part, goes together."""
+    return turned(duty(other.outcome, swapped=False)) == duty(one.outcome, swapped=False)
+
+
+def _both_ways(tally: Tally, questions: Questions, place: Place, other_way: Place) -> None:
     """Whether a rule can apply both ways round: then both ships take its own part."""
     own = questions.own
     rule = place.rule
-    apply = [own.applies(each) for each in own.places if each.rule is rule]
+    apply = [own.applies(place), own.applies(other_way)]
     before = own.decides(place)
 
     def fault() -> Fault:

@@ -18,10 +18,10 @@ from ..findings import read_text
 from ..quantities import ANGLE, LENGTH, SPEED, TIME, Range
 from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
-from ..strict_yaml import Reader
+from ..strict_yaml import Block, Reader
 from ..units import DEGREE
 from ..yaml_nodes import Mapping as Keys
-from ..yaml_nodes import Node, Scalar, Sequence
+from ..yaml_nodes import Node, Scalar, Sequence, is_missing
 from .case_expected import ExpectationReader
 from .cases import Case, CaseShip
 from .vocabulary import VOCABULARY, Fact, Scope, Vocabulary
@@ -29,6 +29,10 @@ from .vocabulary import Kind as FactKind
 
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
+_NAMELESS: Final = {  # where no ship is named, none is
+    "overtaker": ("head_on", "crossing", "none"),
+    "has_other_on_starboard": ("head_on", "overtaking", "none"),
+}
 _NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
 _PLACES: Final = ("same_waterway", "same_direction")  # where the ships are, which says nothing of a risk
 _HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
@@ -206,7 +210,7 @@ class _CaseReader:
             pose, speed, rest = self._kinematics(value)
             facts |= self.facts(rest, Scope.SHIP)
             ships.append(CaseShip(id=ShipId(key.text), facts=facts, pose=pose, speed=speed))
-        if node is not None and len(entries) < least:
+        if node is not None and not is_missing(node) and len(entries) < least:
             reader.refuse(node, f"{len(entries)} ship(s)", expected=f"at least {least}")
         return tuple(ships)
 
@@ -298,19 +302,24 @@ class _CaseReader:
         times = block.find("time_to_intersection" if self._in_units else "time_to_intersection_s")
         if times is not None:
             found["time_to_intersection"] = {
-                ShipId(self._expectations.ship(key, ids)): self._time(value) for key, value in reader.entries(times)
+                ShipId(self._expectations.ship(key, ids)): self._time(value)
+                for key, value in reader.entries(times)
             }
-        if isinstance(node, Keys) and not self._in_units:
-            for key, value in node.entries:
-                if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
-                    block.find(key.text)
-                    self._bare(value)
-        if found.get("geometry") in ("head_on", "crossing", "none"):
-            found.setdefault("overtaker", "none")
-        if found.get("geometry") in ("head_on", "overtaking", "none"):
-            found.setdefault("has_other_on_starboard", "none")
+        self._illustrations(block, node)
+        for name, geometries in _NAMELESS.items():
+            if found.get("geometry") in geometries:
+                found.setdefault(name, "none")
         block.done()
         return found
+
+    def _illustrations(self, block: Block, node: Node) -> None:
+        """Numbers that stand beside a stated geometry: they must be numbers, and decide nothing."""
+        if self._in_units or not isinstance(node, Keys):
+            return
+        for key, value in node.entries:
+            if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
+                block.find(key.text)
+                self._bare(value)
 
     def _time(self, node: Node) -> float:
         return self._reader.number(node, TIME) if self._in_units else self._bare(node)

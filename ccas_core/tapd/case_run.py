@@ -9,11 +9,12 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, Final
 
-from ..quantities import ANGLE
 from ..priority import PriorityGraph, Settlement, settle
+from ..quantities import ANGLE
 from ..ships import UNKNOWN, ShipId
 from ..units import DEGREE
 from ..verdict import Kind, Verdict
+from .assign import failed
 from .cases import Case, CaseShip, Expected
 from .facts import STOPPED, PairFacts, motion
 from .language.code import MOTION, Missing
@@ -22,7 +23,15 @@ from .vocabulary import Scope, Vocabulary
 
 _PARALLEL: Final = math.sin(math.radians(22.5))
 _ALWAYS: Final = ("kind", "give_way", "stand_on", "pass", "strength")  # compared wherever they are stated
-_STRICT: Final = ("side_chosen_by", "must_follow", "facilitates", "required_manoeuvre", "initiator", "by", "article")
+_STRICT: Final = (
+    "side_chosen_by",
+    "must_follow",
+    "facilitates",
+    "required_manoeuvre",
+    "initiator",
+    "by",
+    "article",
+)
 _NO_WEIGHT: Final = 1.0  # of a ship whose weight a case does not state [kg]
 
 
@@ -125,12 +134,10 @@ def _motion(own: CaseShip, other: CaseShip, stated: Mapping[ShipId, float]) -> t
     return motion(own.pose, own.speed, other.pose, other.speed, times)
 
 
-def crossing_time(
-    own: tuple[float, float, float], speed: float, other: tuple[float, float, float]
-) -> float:
+def crossing_time(own: tuple[float, float, float], speed: float, other: tuple[float, float, float]) -> float:
     """Time until a ship reaches the line on which another sails [s], as if it were the axis of its waterway.
 
-    Negative when past; never, where the courses are within 22.5 deg of parallel: then it is the same waterway.
+    Negative when past; never, where the courses are within 22.5 deg of parallel: that is one waterway.
     """
     across = math.sin(other[2] - own[2])
     if abs(across) < _PARALLEL or speed <= STOPPED:
@@ -145,7 +152,7 @@ def judge_case(ruleset: PairRuleset, case: Case) -> Judged:
     settlements = []
     for one, other in combinations(masses, 2):
         facts = pair_facts(case, one, other, ruleset.vocabulary)
-        settlements.append(settle(ruleset.judge(facts), ruleset.judge(facts.mirrored()), masses))
+        settlements.append(settle(_view(ruleset, facts), _view(ruleset, facts.mirrored()), masses))
     met = tuple(each for each in settlements if not _nothing(each))
     graph = PriorityGraph(masses=masses, settlements=met)
     agreed = [each for each in settlements if not each.fallback]
@@ -173,6 +180,14 @@ def judge_case(ruleset: PairRuleset, case: Case) -> Judged:
 def _weight(ship: CaseShip) -> float:
     weight = ship.facts.get("weight", _NO_WEIGHT)
     return float(weight) if isinstance(weight, int | float) else _NO_WEIGHT
+
+
+def _view(ruleset: PairRuleset, facts: PairFacts) -> Verdict:
+    """Judge from one side; whatever a plugin raises becomes a verdict that says so."""
+    try:
+        return ruleset.judge(facts)
+    except Exception as error:  # a plugin may raise anything
+        return failed(ruleset, facts.own, facts.other, error)
 
 
 def _nothing(settlement: Settlement) -> bool:
@@ -311,7 +326,9 @@ def articles(text: str) -> frozenset[str]:
     >>> sorted(articles("33 CFR 83.09(a)(ii)") | articles("BPR 6.07(8)c"))
     ['6.07', '83.09']
     """
-    return frozenset(re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)|\b\d+ (?=[A-Z]{2})", " ", text)))
+    return frozenset(
+        re.findall(r"(?<![\w.])\d+(?:\.\d+)?[a-z]?", re.sub(r"\([^)]*\)|\b\d+ (?=[A-Z]{2})", " ", text))
+    )
 
 
 def case_of(case: Case, *ships: ShipId) -> Case:

@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from ..quantities import ANGLE
 from ..ships import UNKNOWN, FactValue, ShipId
+from ..units import DEGREE
 from ..waterway import Towards, Waters, Waterway
 from ..world import ShipReport
 from .encounters import NO_ENCOUNTER, Encounter

@@ -213,9 +213,15 @@ class RulesetText:
     domain: Domain
     waivers: tuple[Waiver, ...]
     claims: tuple[Claim, ...]
-    tests: tuple[Case, ...]
+    inline: tuple[Case, ...]  # tests in the file itself
+    beside: Callable[[], tuple[Case, ...]]  # those in a file beside it, read when asked for
     source: str  # path of the file
     lint: Callable[[], tuple[Diagnostic, ...]] = tuple
+
+    @property
+    def tests(self) -> tuple[Case, ...]:
+        """All tests; `RulesetError` where those beside the file cannot be understood."""
+        return (*self.inline, *self.beside())
 
     @property
     def remarks(self) -> tuple[Diagnostic, ...]:

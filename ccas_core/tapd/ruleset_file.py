@@ -22,8 +22,8 @@ from .language.formula import FALSE, Formula, all_of, any_of, facts_of, negated
 from .python_rules import PythonRule
 from .ranking import RankingCriterion
 from .rules import (
-    Claim,
     DEFAULT_ORDER,
+    Claim,
     Criterion,
     Domain,
     Gate,
@@ -46,6 +46,7 @@ from .ruleset_draft import (
     refuse,
 )
 from .ruleset_reader import RECOGNITION, head_of, read_draft
+from .tests_file import tests_beside
 from .vocabulary import VOCABULARY, Scope, Vocabulary
 from .written import WrittenRuleset
 
@@ -140,8 +141,12 @@ def _base(name: str, beside: Path, library: Library | None) -> tuple[str, str]:
     """Text and source of a base: a file beside this one, or one that the library knows."""
     if name.endswith((".yaml", ".yml")):
         path = beside.parent / name
-        if not path.is_file():
-            raise KeyError(f"there is no file {path}")
+        try:
+            found = path.is_file()
+        except OSError:  # the name is too long, and the like
+            found = False
+        if not found:
+            raise KeyError(f"there is no file {name[:60]} beside this one")
         return read_text(path, RulesetError), str(path)
     if library is None:
         raise KeyError("no rulesets are installed")
@@ -157,7 +162,6 @@ class _Weaver:
     python: frozenset[str]
     criteria: frozenset[str]
     ladder: Ladder = field(default_factory=Ladder)
-    findings: dict[int, Reader] = field(default_factory=dict)  # by the reader of a base
     compiler: Compiler = field(init=False)
 
     def ruleset(self) -> RulesetText:
@@ -214,7 +218,8 @@ class _Weaver:
             domain=domain,
             waivers=waivers,
             claims=self._claims(),
-            tests=last.tests,
+            inline=last.tests,
+            beside=tests_beside(last.path, last.id, self.vocabulary),
             source=last.path,
             lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
         )
@@ -224,18 +229,8 @@ class _Weaver:
 
     # -- findings --------------------------------------------------------------------------------
 
-    def _reader(self, reader: Reader) -> Reader:
-        """Reader that takes findings: of a base, a fresh one, for the base by itself is well."""
-        if reader is self.drafts[-1].reader:
-            return reader
-        if id(reader) not in self.findings:
-            self.findings[id(reader)] = Reader(reader.content, reader.source, RulesetError)
-        return self.findings[id(reader)]
-
     def _finish(self) -> None:
-        told = list(self.drafts[-1].reader.told())
-        for reader in self.findings.values():
-            told += reader.told()
+        told = [each for draft in self.drafts[::-1] for each in draft.reader.told()]
         if told:
             raise RulesetError(*told)
 
@@ -248,7 +243,7 @@ class _Weaver:
     ) -> None:
         for name in sorted(definitions.keys() & parameters.keys()):
             condition = definitions[name][1]
-            self._reader(condition.reader).refuse(
+            condition.reader.refuse(
                 condition.node, f"'{name}' is a parameter and a definition", hint="rename one of the two"
             )
         taken = {*BUILT_IN, *self.vocabulary.places[Scope.PAIR]}
@@ -257,20 +252,20 @@ class _Weaver:
             places |= {name: node for name, (_, node) in draft.parameters.items()}
             for name in sorted(places.keys() & taken):
                 hint = "rename it: the word has a meaning already, see `ccas facts`"
-                self._reader(draft.reader).refuse(places[name], f"'{name}' cannot be defined", hint=hint)
+                draft.reader.refuse(places[name], f"'{name}' cannot be defined", hint=hint)
 
     def _definition(self, name: str, condition: Condition) -> None:
         try:
             self.compiler.definition(name)
         except syntax.Fault as fault:
             self.compiler.broken.add(name)
-            refuse(condition, fault, self._reader(condition.reader))
+            refuse(condition, fault)
 
     def _formula(self, condition: Condition) -> Formula:
         try:
             return self.compiler.condition(condition.text)
         except syntax.Fault as fault:
-            refuse(condition, fault, self._reader(condition.reader))
+            refuse(condition, fault)
             return FALSE
 
     def _recognition(self) -> Recognition | None:
@@ -279,6 +274,10 @@ class _Weaver:
             found |= draft.recognition
         if not found:
             return None
+        if "risk" not in found:
+            first = next(iter(found.values()))
+            hint = "say under 'encounter' when there is a risk of collision"
+            first.reader.refuse(first.node, "encounters are recognised, and no risk with them", hint=hint)
         return Recognition(
             **{key: self._formula(found[key]) if key in found else FALSE for key in RECOGNITION}
         )
@@ -288,7 +287,9 @@ class _Weaver:
         ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
-                gates = [each for each in gates if each[1].id != gate.id]  # one of a base, which this replaces
+                gates = [
+                    each for each in gates if each[1].id != gate.id
+                ]  # one of a base, which this replaces
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
@@ -297,9 +298,7 @@ class _Weaver:
                     ]
                     if not hits:
                         hint = did_you_mean(name.text, ids)
-                        self._reader(gate.reader).refuse(
-                            name, f"no rule '{name.text}' to switch off", hint=hint
-                        )
+                        gate.reader.refuse(name, f"no rule '{name.text}' to switch off", hint=hint)
                     off += hits
                 formula = all_of(self._formula(each) for each in gate.when)
                 source = self._source(gate.reader, gate.node)
@@ -325,9 +324,7 @@ class _Weaver:
             hint = (
                 did_you_mean(draft.python, self.python) if self.python else "no plugin offers rules in Python"
             )
-            self._reader(draft.reader).refuse(
-                draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint
-            )
+            draft.reader.refuse(draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint)
         return Rule(
             id=draft.id,
             condition=all_of(part.formula for part in parts),
@@ -346,7 +343,7 @@ class _Weaver:
         odd = sorted(name for name in facts_of(formula) if not name.startswith("waterway."))
         if odd:
             hint = f"'{odd[0]}' is no fact of a waterway: put this under 'when'"
-            self._reader(condition.reader).refuse(condition.node, "'where' is about waters only", hint=hint)
+            condition.reader.refuse(condition.node, "'where' is about waters only", hint=hint)
         return formula
 
     def _exception(self, exception: Unless) -> Formula:
@@ -377,9 +374,7 @@ class _Weaver:
             for order, node in draft.resolve_by:
                 if order.criterion not in known:
                     hint = did_you_mean(order.criterion, known)
-                    self._reader(draft.reader).refuse(
-                        node, f"unknown criterion '{order.criterion}'", hint=hint
-                    )
+                    draft.reader.refuse(node, f"unknown criterion '{order.criterion}'", hint=hint)
             return tuple(order for order, _ in draft.resolve_by)
         return DEFAULT_ORDER
 

@@ -6,7 +6,7 @@ import re
 from datetime import date
 from enum import StrEnum
 from fractions import Fraction
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from ..quantities import QUANTITY_OF
 from ..strict_yaml import Block, Reader
@@ -14,8 +14,11 @@ from ..verdict import Citation, Confidence
 from ..yaml_nodes import Node, Scalar, Sequence
 from .language import syntax
 from .language.compiler import DIMENSIONS, UNITS, Dimensions
+from .language.syntax import MAX_DIGITS
 from .ruleset_draft import Condition, refuse
 
+MOST_DIGITS: Final = 12
+MOST: Final = Fraction(10) ** MOST_DIGITS  # that a parameter may be, in SI units
 _E = TypeVar("_E", bound=StrEnum)
 
 
@@ -102,6 +105,9 @@ class ValueReader:
         text = self._reader.text(node)
         match = re.fullmatch(r"(-?\d+(?:\.\d+)?(?:[eE][+-]?\d{1,2})?)(?: +(\S+))?", text)
         unit = (match[2] or "") if match else ""
+        if len(text) > MAX_DIGITS:
+            self._reader.refuse(node, "a number beyond all measure", expected=f"at most {MAX_DIGITS} letters")
+            return Fraction(0), DIMENSIONS["a number without unit"]
         if match is None or unit not in UNITS:
             hint = "an angle is written in degrees" if unit == "rad" else ""
             if match and unit in QUANTITY_OF and not hint:
@@ -111,7 +117,10 @@ class ValueReader:
                 self._reader.refuse(node, f"got '{text[:40]}'", expected=expected, hint=hint)
             return Fraction(0), DIMENSIONS["a number without unit"]
         size, dimensions = UNITS[unit]
-        return Fraction(match[1]) * size, dimensions
+        value = Fraction(match[1]) * size
+        if value and not 1 / MOST <= abs(value) <= MOST:
+            self._reader.refuse(node, "a number beyond all measure", expected=f"at most 1e{MOST_DIGITS}")
+        return value, dimensions
 
     def _range(self, node: Node, dimensions: Dimensions) -> tuple[Fraction, Fraction]:
         ends = self._reader.items(node, 2, 2)

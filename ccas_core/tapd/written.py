@@ -171,7 +171,7 @@ class WrittenRuleset(PairRuleset):
         return found
 
     def assumptions(self, facts: PairFacts) -> bool:
-        """Whether a pair keeps to what the ruleset assumes of its domain; what is not known does not hinder it."""
+        """Whether a pair keeps to what the ruleset assumes of its domain, as far as that is known."""
         _, own, _ = self.recognised(facts)
         try:
             return all(decide(*own[:5], [None] * self._assumed.memory) for decide in self._assumed.decisions)
@@ -202,6 +202,10 @@ class WrittenRuleset(PairRuleset):
     @cached_property
     def _decisions(self) -> tuple[Decision, ...]:
         return self._program.decisions[len(conditions_of(self.text.recognition)) :]
+
+    def python_rule(self, name: str) -> PythonRule:
+        """Rule in Python by its name; `KeyError` where there is none."""
+        return self._python[name]
 
     def with_text(self, text: RulesetText) -> WrittenRuleset:
         """The same ruleset with another text, and the same rules in Python and criteria."""

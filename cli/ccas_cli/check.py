@@ -87,9 +87,15 @@ def _show(findings: list[Diagnostic], remarks: list[Diagnostic], count: int, *, 
 def _checks(plugins: Plugins) -> dict[str, Check]:
     """How to check a file, by its schema."""
     from ccas_core.sim import scenario_file
+    from ccas_core.tapd import tests_file
     from ccas_core.tapd.ruleset_draft import SCHEMA
 
-    scenario = partial(scenario_file.parse_scenario, rulesets=plugins.rulesets)
+    scenario = partial(
+        scenario_file.parse_scenario,
+        rulesets=plugins.rulesets,
+        regions=plugins.regions,
+        vocabulary=plugins.vocabulary,
+    )
 
     def check_scenario(text: str, source: str) -> Iterable[Diagnostic]:
         scenario(text, source)
@@ -98,6 +104,7 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
     return {
         scenario_file.SCHEMA: check_scenario,
         SCHEMA: partial(_check_ruleset, plugins),
+        tests_file.SCHEMA: partial(_check_tests, plugins),
         _CASES: partial(_check_cases, plugins),
     }
 
@@ -109,6 +116,13 @@ def _check_ruleset(plugins: Plugins, text: str, source: str) -> Iterable[Diagnos
     found = plugins.rulesets.parsed(text, source)
     today = datetime.now(tz=UTC).date()
     return reviewed(found, text, today) if isinstance(found, WrittenRuleset) else ()
+
+
+def _check_tests(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:
+    from ccas_core.tapd.tests_file import parse_tests
+
+    parse_tests(text, source, plugins.vocabulary)
+    return ()
 
 
 def _check_cases(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:

@@ -135,7 +135,13 @@ def _recomputed(
     from ccas_core.tapd.ruleset import Situation
     from ccas_core.waterway import guiding_line
 
-    scenario = parse_scenario(run.scenario, str(folder / SCENARIO), plugins.rulesets)
+    scenario = parse_scenario(
+        run.scenario,
+        str(folder / SCENARIO),
+        plugins.rulesets,
+        regions=plugins.regions,
+        vocabulary=plugins.vocabulary,
+    )
     ships = {ship for pair in pairs for ship in pair}
     rows: dict[float, list[Row]] = {}
     for row in run.rows:

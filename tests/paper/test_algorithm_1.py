@@ -284,8 +284,8 @@ def test_where_both_keep_their_side_head_on_ships_pass_port_to_port() -> None:
 def test_unknown_side_is_never_taken_for_a_no(case: Case, flags: tuple[FactValue, FactValue]) -> None:
     """It is not known, unless the duty is the same whatever it is: then it does not matter."""
     one, two = both(TEXT, realised(case, flags))
-    guesses = product(*((True, False) if flag is UNKNOWN else (flag,) for flag in flags))
-    duties = {yields(TEXT, realised(case, guess)) for guess in guesses}
+    own, other = ((True, False) if flag is UNKNOWN else (flag,) for flag in flags)
+    duties = {yields(TEXT, realised(case, guess)) for guess in product(own, other)}
 
     if len(duties) == 1:
         assert yields(TEXT, realised(case, flags)) in duties

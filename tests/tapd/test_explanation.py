@@ -90,11 +90,11 @@ def test_rule_reads_the_same_from_both_sides() -> None:
     assert mine.rules[0].rows == theirs.rules[0].rows
 
 
-def test_definitions_are_nested_and_negated_ones_say_none_of() -> None:
+def test_definitions_are_nested_and_negated_ones_say_not_all_of() -> None:
     large = rows_of(crossing())["large(A)"]
 
     (negated,) = large.parts
-    assert (negated.text, negated.joined, negated.value) == ("not small(A)", "none of", True)
+    assert (negated.text, negated.joined, negated.value) == ("not small(A)", "not all of", True)
     assert any(row.text == "A.length < 20 m" for row in walked(negated.parts))
 
 

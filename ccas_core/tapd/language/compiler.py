@@ -52,7 +52,7 @@ MAX_PARTS: Final = 10_000  # of a condition, with its definitions written out
 MAX_NESTING: Final = 100
 MAX_DEFINITIONS_OPEN: Final = 30  # that ask for one another before they stand in the file
 MAX_FACTORS: Final = 4  # quantities multiplied with one another
-_BEYOND_MEASURE: Final = 10**99
+_MOST: Final = Fraction(10**30)
 _PAIR_MOTIONS: Final = ("tcpa", "dcpa", "distance", "course_difference")
 _SHIPS: Final = ("own", "other")
 BUILT_IN: Final = (*FUNCTIONS, *_PAIR_MOTIONS, *SHIP_MOTIONS, *_SHIPS, "closing", "waterway", "regime")
@@ -367,7 +367,15 @@ class _Scope:
                 hint = "angles are written in degrees: 22.5 deg"
             raise Fault(expression.span, f"unknown unit '{expression.unit}'", hint=hint)
         size, dimensions = UNITS[expression.unit]
-        return Amount(number(Fraction(expression.digits) * size), dimensions)
+        value = number(Fraction(expression.digits) * size)
+        self._in_measure(expression.span, value)
+        return Amount(value, dimensions)
+
+    @staticmethod
+    def _in_measure(span: Span, polynomial: Polynomial) -> None:
+        """Refuse factors that floats do not hold when they are multiplied with one another."""
+        if any(not 1 / _MOST <= abs(factor) <= _MOST for _, factor in polynomial.terms):
+            raise Fault(span, "a number beyond all measure", expected="at most 1e30")
 
     def _amount(self, expression: syntax.Expression) -> Amount:
         value = self._value(expression)
@@ -388,8 +396,7 @@ class _Scope:
             product = left.value * right.value
             if product.degree > MAX_FACTORS:
                 raise Fault(expression.span, f"a product of more than {MAX_FACTORS} quantities")
-            if any(abs(factor) > _BEYOND_MEASURE for _, factor in product.terms):
-                raise Fault(expression.span, "a number beyond all measure", expected="at most 1e99")
+            self._in_measure(expression.span, product)
             return Amount(product, (one, two, three, four))
         if left.dimensions != right.dimensions:
             mismatch(expression.span, left.dimensions, right.dimensions, "added to")

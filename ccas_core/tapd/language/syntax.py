@@ -191,7 +191,7 @@ def _tokens(text: str) -> list[_Token]:
                     Span(at, glued.end()), f"'{word}' is not a number", hint=_apart(match[0], glued[0])
                 )
             if len(match[0]) > MAX_DIGITS or re.search(r"[eE][+-]?\d{3}", match[0]):
-                raise Fault(Span(at, end), "a number beyond all measure", expected="at most 1e99")
+                raise Fault(Span(at, end), "a number beyond all measure", expected="at most 1e30")
             following = _UNIT.match(text, end)
             if following and following[1] not in _KEYWORDS:
                 unit, end = following[1], following.end()

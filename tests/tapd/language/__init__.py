@@ -11,7 +11,7 @@ import pytest
 
 from ccas_core.tapd.facts import PairFacts
 from ccas_core.tapd.language import syntax
-from ccas_core.tapd.language.code import program
+from ccas_core.tapd.language.code import Values, program
 from ccas_core.tapd.language.compiler import UNITS, Compiler, Definition, Parameter
 from ccas_core.tapd.language.formula import Formula, Named, rebuilt
 from ccas_core.tapd.language.motion import tangent
@@ -72,7 +72,7 @@ class Language:
 PLAIN = Language()
 
 
-def values_of(facts: PairFacts) -> tuple[object, ...]:
+def values_of(facts: PairFacts) -> tuple[Values, Values, Values, Values, Values]:
     """What a compiled condition is called with, besides its memory."""
     return facts.own_values, facts.other_values, facts.waterway_values, facts.pair_values, facts.motion
 

@@ -12,10 +12,18 @@ import pytest
 from ccas_core.ships import UNKNOWN
 from ccas_core.tapd.facts import GRID, PairFacts, motion
 from ccas_core.tapd.language import code
-from ccas_core.tapd.language.code import MOTION, Missing, UnknownFact, exact_sign, program, rounding_bound
+from ccas_core.tapd.language.code import (
+    MOTION,
+    Missing,
+    UnknownFact,
+    Values,
+    exact_sign,
+    program,
+    rounding_bound,
+)
 from ccas_core.tapd.language.formula import Before, Formula, all_of, any_of, mirrored, sign
 from ccas_core.tapd.language.polynomial import Polynomial, number, variable
-from ccas_core.tapd.vocabulary import VOCABULARY
+from ccas_core.tapd.vocabulary import VOCABULARY, Scope
 
 from .. import A, B, stated
 from . import PLAIN, Language, decided, random_facts, values_of
@@ -302,8 +310,6 @@ def test_empty_junctions_are_compiled() -> None:
     assert not decided(any_of(empty), stated())
 
 
-def _with(values: tuple[object, ...], name: str, value: float) -> tuple[object, ...]:
-    from ccas_core.tapd.vocabulary import Scope
-
+def _with(values: Values, name: str, value: float) -> Values:
     place = VOCABULARY.places[Scope.SHIP][name]
     return (*values[:place], value, *values[place + 1 :])
