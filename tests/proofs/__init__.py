@@ -54,7 +54,10 @@ BROKEN: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "consistent": ("has_starboard(own)", "bearing(own, other) > 0 deg"),  # where the other is, not whence
         "complete": ("head_on and risk", "head_on and risk and own.ferry and other.ferry"),
-        "no_dead_rule": ("then: mutual\n    pass: port_to_port\n", "then: mutual\n    pass: port_to_port\n{dead}"),
+        "no_dead_rule": (
+            "then: mutual\n    pass: port_to_port\n",
+            "then: mutual\n    pass: port_to_port\n{dead}",
+        ),
         "tie_break_total": ("otherwise:", "deadlock: {resolve_by: [weight]}\notherwise:"),
         "domain_not_empty": ("otherwise:", "domain: {assume: [not risk_of_collision]}\notherwise:"),
     }

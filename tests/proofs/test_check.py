@@ -84,9 +84,7 @@ def with_waiver(finding: Finding, text: str, today: date = TODAY) -> Finding:
 
 def test_waiver_covers_a_fault_until_its_day(inconsistent: Finding) -> None:
     text = with_waiver_text(SOUND, "consistent", "2026-12-31")
-    before, last = (
-        with_waiver(inconsistent, text, day) for day in (date(2026, 6, 1), date(2026, 12, 31))
-    )
+    before, last = (with_waiver(inconsistent, text, day) for day in (date(2026, 6, 1), date(2026, 12, 31)))
     after = with_waiver(inconsistent, text, date(2027, 1, 1))
 
     assert before.waived
@@ -135,9 +133,7 @@ def test_waiver_that_is_not_needed_is_told() -> None:
 
 def test_assumption_leaves_out_ships_for_which_a_property_fails() -> None:
     gap = broken("complete")
-    (finding,) = check(
-        narrowed(ruleset(gap), "own.ferry and other.ferry"), today=TODAY, only=["complete"]
-    )
+    (finding,) = check(narrowed(ruleset(gap), "own.ferry and other.ferry"), today=TODAY, only=["complete"])
 
     assert finding.outcome is Outcome.PROVED
 
