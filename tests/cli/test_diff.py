@@ -73,10 +73,9 @@ def test_examples_are_written_as_files_that_are_read_and_checked(tmp_path: Path)
 
 
 def said(scenario: Path, *options: str) -> list[tuple[object, ...]]:
-    """Who decides first, and what the ships owe one another."""
-    found = json.loads(ccas("graph", scenario, *options, "--json").stdout)
-    edges = [(each["first"], each["kind"]) for each in found["edges"]]
-    return [*edges, *((each["kind"], each["pass"]) for each in found["without_edge"])]
+    """Verdicts of the two ships of a scenario."""
+    (pair,) = json.loads(ccas("explain", scenario, *options, "--json").stdout)
+    return [(view["kind"], view["give_way"], view["pass"]) for view in pair["verdicts"].values()]
 
 
 def test_two_versions_of_one_file_are_compared(changed: Path) -> None:
