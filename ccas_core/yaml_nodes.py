@@ -25,6 +25,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # only its parser 
 _TAB = re.compile(r"^ *\t", re.MULTILINE)
 _PRINTABLE = "\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff"
 _UNPRINTABLE = re.compile(f"[^{_PRINTABLE}]")
+_NULLS: Final = frozenset({"", "~", "null", "Null", "NULL"})
 _TOO_MUCH: Final = "is this the file that you meant?"
 _SYNTAX_HINTS: Final = {
     "mapping values": "a text with ': ' in it needs quotes; or is the indentation wrong?",
@@ -57,7 +58,7 @@ class Scalar(Node):
         """
         if not self.plain:
             return self.text
-        if self.text in ("", "~", "null", "Null", "NULL"):
+        if self.text in _NULLS:
             return None
         if self.text in ("true", "True", "TRUE", "false", "False", "FALSE"):
             return self.text[0] in "tT"
@@ -68,7 +69,7 @@ class Scalar(Node):
     @property
     def is_null(self) -> bool:
         """Whether nothing is written here."""
-        return self.value is None
+        return self.plain and self.text in _NULLS
 
 
 @dataclass(frozen=True, slots=True)
