@@ -154,6 +154,13 @@ class _Composer:
         return root
 
     def _node(self, event: _Event, depth: int) -> Node:
+        if isinstance(event, yaml.ScalarEvent) and event.tag is None:  # most of them are
+            mark: Any = event.start_mark
+            scalar = Scalar(mark.line + 1, mark.column + 1, event.value, not event.style)
+            self._count_one(scalar, depth)
+            if event.anchor:
+                self._anchors[event.anchor] = scalar
+            return scalar
         at = _mark(event)
         if isinstance(event, yaml.AliasEvent):
             return self._alias(at, str(event.anchor), depth)
@@ -161,9 +168,7 @@ class _Composer:
             self._findings.stop(at, "tags are not used here", hint="remove the '!' and what belongs to it")
         self._count_one(at, depth)
         node: Node
-        if isinstance(event, yaml.ScalarEvent):
-            node = Scalar(at.line, at.column, event.value, not event.style)
-        elif isinstance(event, yaml.SequenceStartEvent):
+        if isinstance(event, yaml.SequenceStartEvent):
             items = tuple(self._node(each, depth + 1) for each in self._until_end())
             node = Sequence(at.line, at.column, items)
         else:
