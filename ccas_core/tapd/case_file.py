@@ -14,10 +14,10 @@ from typing import Any, Final
 
 from ..errors import Diagnostic, RulesetError
 from ..findings import read_text
-from ..quantities import ANGLE, ANY, LENGTH, SPEED, Range
+from ..quantities import ANGLE, ANY, LENGTH, SPEED, TIME, Range
 from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
-from ..strict_yaml import Reader
+from ..strict_yaml import Block, Reader
 from ..units import DEGREE
 from ..yaml_nodes import Mapping as Keys
 from ..yaml_nodes import Node, Scalar, Sequence, is_missing
@@ -29,7 +29,12 @@ from .vocabulary import Kind as FactKind
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
 _PLACE: Final = Range(at_least=-2e7, at_most=2e7)  # no two places on earth are farther apart
+_NAMELESS: Final = {  # where no ship is named, none is
+    "overtaker": ("head_on", "crossing", "none"),
+    "has_other_on_starboard": ("head_on", "overtaking", "none"),
+}
 _NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
+_PLACES: Final = ("same_waterway", "same_direction")  # where the ships are, which says nothing of a risk
 _HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
 
 
@@ -153,6 +158,7 @@ class _CaseReader:
             waterway=waterway,
             encounter=encounter,
             expected={ruleset: expected},
+            strict=True,
             source=reader.source,
             line=node.line,
         )
@@ -286,7 +292,11 @@ class _CaseReader:
         reader = self._reader
         block = reader.block(node)
         ids = [ship.id for ship in ships]
-        found: dict[str, Any] = {"risk_of_collision": True}
+        keys = {key.text for key, _ in node.entries} if isinstance(node, Keys) else set()
+        found: dict[str, Any] = {} if keys and keys <= set(_PLACES) else {"risk_of_collision": True}
+        for name in _PLACES:
+            if (place := block.find(name)) is not None:
+                found[name] = _maybe(place, reader.flag)
         if (risk := block.find("risk_of_collision")) is not None:
             found["risk_of_collision"] = _maybe(risk, reader.flag)
         if (geometry := block.find("geometry")) is not None:
@@ -296,18 +306,32 @@ class _CaseReader:
                 found[name] = _maybe(named, lambda each: self._expectations.ship(each, ids))
         if (windward := block.find("windward")) is not None:
             found["windward"] = self._expectations.ship(windward, ids)
-        hints = {*_HINTS, *(f"bearing_of_{one}_from_{other}_deg" for one in ids for other in ids)}
-        if isinstance(node, Keys) and not self._in_units:
-            for key, value in node.entries:
-                if key.text in hints:
-                    block.find(key.text)
-                    self._bare(value)
-        if found.get("geometry") in ("head_on", "crossing", "none"):
-            found.setdefault("overtaker", "none")
-        if found.get("geometry") in ("head_on", "overtaking", "none"):
-            found.setdefault("has_other_on_starboard", "none")
+        times = block.find("time_to_intersection" if self._in_units else "time_to_intersection_s")
+        if times is not None:
+            found["time_to_intersection"] = {
+                ShipId(self._expectations.ship(key, ids)): self._time(value)
+                for key, value in reader.entries(times)
+            }
+        self._illustrations(block, node, ids)
+        for name, geometries in _NAMELESS.items():
+            if found.get("geometry") in geometries:
+                found.setdefault(name, "none")
         block.done()
         return found
+
+    def _illustrations(self, block: Block, node: Node, ids: Iterable[str]) -> None:
+        """Numbers that stand beside a stated geometry: they must be numbers, and decide nothing."""
+        if self._in_units or not isinstance(node, Keys):
+            return
+        ships = list(ids)
+        known = {*_HINTS, *(f"bearing_of_{one}_from_{other}_deg" for one in ships for other in ships)}
+        for key, value in node.entries:
+            if key.text in known:
+                block.find(key.text)
+                self._bare(value)
+
+    def _time(self, node: Node) -> float:
+        return self._reader.number(node, TIME) if self._in_units else self._bare(node)
 
 
 def read_fact(reader: Reader, node: Node, fact: Fact, *, in_units: bool) -> Any:

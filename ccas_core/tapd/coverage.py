@@ -68,13 +68,13 @@ def reached(ruleset: WrittenRuleset, cases: Sequence[Case]) -> frozenset[str]:
     )
 
 
-def coverage(ruleset: WrittenRuleset, cases: Sequence[Case]) -> Coverage:
-    """Run all cases against all mutants; those that fail without any mutation are left out."""
+def covered(ruleset: WrittenRuleset, cases: Sequence[Case], *, mutants: bool = True) -> Coverage:
+    """Run all cases against all mutants, if asked for; those that fail without any are left out."""
     sound = [case for case in cases if run_case(ruleset, case, case.expected[ruleset.id]).passed]
     return Coverage(
         rules=tuple(rule.id for rule in ruleset.text.rules),
         reached=reached(ruleset, sound),
-        mutants=tuple(_mutants(ruleset, sound)),
+        mutants=tuple(_mutants(ruleset, sound)) if mutants else (),
     )
 
 

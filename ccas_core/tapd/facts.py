@@ -14,7 +14,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from ..quantities import ANGLE
 from ..ships import UNKNOWN, FactValue, ShipId
+from ..units import DEGREE
 from ..waterway import Towards, Waters, Waterway
 from ..world import ShipReport
 from .encounters import NO_ENCOUNTER, Encounter
@@ -221,6 +223,8 @@ def ship_values(
         value = found.get(fact.name, fact.default)
         if fact.name not in found and fact.compute is not None:
             value = fact.compute(report, waters)
+        if fact.quantity is ANGLE and value is not UNKNOWN:
+            value = float(value) / DEGREE  # conditions compare degrees
         values.append(Missing(report.id, fact.name) if value is UNKNOWN else value)
     return tuple(values)
 

@@ -105,8 +105,17 @@ def ruled(rule: PythonRule, pair: PairView) -> Outcome | None:
         If it returns something else than a decision.
     """
     decision = rule.decide(pair)
-    if decision is None:
-        return None
+    return None if decision is None else outcome_of(rule, decision)
+
+
+def outcome_of(rule: PythonRule, decision: RoleDecision | str) -> Outcome:
+    """What a rule in Python has returned, as an outcome.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no decision.
+    """
     if isinstance(decision, str):
         decision = RoleDecision(decision)
     if not isinstance(decision, RoleDecision):

@@ -87,6 +87,18 @@ class DraftWaiver:
     reader: Reader
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DraftClaim:
+    """A claim as written."""
+
+    name: str
+    check: str
+    assume: tuple[Condition, ...]
+    on_a_reach: bool
+    node: Node
+    reader: Reader
+
+
 @dataclass(slots=True, kw_only=True)
 class Draft:
     """All that one ruleset file says."""
@@ -118,6 +130,7 @@ class Draft:
     separation: Fraction | None = None
     assume: tuple[Condition, ...] = ()
     waivers: list[DraftWaiver] = field(default_factory=list)
+    claims: list[DraftClaim] = field(default_factory=list)
     tests: tuple[Case, ...] = ()
 
 

@@ -23,6 +23,7 @@ from .python_rules import PythonRule
 from .ranking import RankingCriterion
 from .rules import (
     DEFAULT_ORDER,
+    Claim,
     Criterion,
     Domain,
     Gate,
@@ -45,6 +46,7 @@ from .ruleset_draft import (
     refuse,
 )
 from .ruleset_reader import RECOGNITION, head_of, read_draft
+from .tests_file import tests_beside
 from .vocabulary import VOCABULARY, Scope, Vocabulary
 from .written import WrittenRuleset
 
@@ -215,7 +217,9 @@ class _Weaver:
             resolve_by=resolve_by,
             domain=domain,
             waivers=waivers,
-            tests=last.tests,
+            claims=self._claims(),
+            inline=last.tests,
+            beside=tests_beside(last.path, last.id, self.vocabulary),
             source=last.path,
             lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
         )
@@ -279,14 +283,13 @@ class _Weaver:
         )
 
     def _gates(self) -> list[tuple[Draft, Gate]]:
-        gates = []
-        seen: dict[str, Draft] = {}
+        gates: list[tuple[Draft, Gate]] = []
         ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
-                if gate.id in seen:
-                    gate.reader.refuse(gate.node, f"a second gate '{gate.id}'", hint="rename one")
-                seen[gate.id] = draft
+                gates = [
+                    each for each in gates if each[1].id != gate.id
+                ]  # one of a base, which this replaces
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
@@ -374,6 +377,19 @@ class _Weaver:
                     draft.reader.refuse(node, f"unknown criterion '{order.criterion}'", hint=hint)
             return tuple(order for order, _ in draft.resolve_by)
         return DEFAULT_ORDER
+
+    def _claims(self) -> tuple[Claim, ...]:
+        return tuple(
+            Claim(
+                name=claim.name,
+                check=claim.check,
+                assume=tuple(self._formula(each) for each in claim.assume),
+                texts=tuple(each.text for each in claim.assume),
+                on_a_reach=claim.on_a_reach,
+                source=self._source(claim.reader, claim.node),
+            )
+            for claim in self.drafts[-1].claims
+        )
 
     def _waivers(self, rules: Iterable[Rule]) -> tuple[Waiver, ...]:
         ids = [rule.id for rule in rules]

@@ -20,6 +20,7 @@ from .rules import Diagnosis, Mirror, Order, Outcome, Policy, Side, Strength
 from .ruleset_draft import (
     SCHEMA,
     Draft,
+    DraftClaim,
     DraftGate,
     DraftRule,
     DraftWaiver,
@@ -46,6 +47,14 @@ class Then(StrEnum):
     NONE = "none"
     CONFLICT = "conflict"
     GAP = "gap"
+
+
+class Claimed(StrEnum):
+    """Properties that may be claimed of some ships only."""
+
+    ACYCLIC = "acyclic"
+    COMPLETE = "complete"
+    CONSISTENT = "consistent"
 
 
 class Passing(StrEnum):
@@ -130,6 +139,7 @@ class _DraftReader(ValueReader):
         self._deadlock(draft, root.find("deadlock"))
         self._domain(draft, root.find("domain"))
         self._waivers(draft, root.find("waivers"))
+        self._claims(draft, root.find("claims"))
         draft.tests = read_tests(reader, root.find("tests"), self._id, self._vocabulary)
         root.done()
         return draft
@@ -320,6 +330,23 @@ class _DraftReader(ValueReader):
                 self._reader.refuse(separation, "this is no length", expected="a length such as 50 m")
         draft.assume = self._conditions(block.find("assume"))
         block.done()
+
+    def _claims(self, draft: Draft, node: Node | None) -> None:
+        names: dict[str, Node] = {}
+        for each in self._reader.items(node):
+            block = self._reader.block(each)
+            where = block.find("on_a_reach")
+            claim = DraftClaim(
+                name=self._reader.unique(names, block.require("name"), "claim"),
+                check=self._reader.choice(block.require("check"), Claimed).value,
+                assume=self._conditions(block.require("assume")),
+                on_a_reach=self._reader.flag(where) if where else False,
+                node=each,
+                reader=self._reader,
+            )
+            self._optional(block, "note")
+            if block.done():
+                draft.claims.append(claim)
 
     def _waivers(self, draft: Draft, node: Node | None) -> None:
         for each in self._reader.items(node):

@@ -170,6 +170,18 @@ class WrittenRuleset(PairRuleset):
                     break
         return found
 
+    def assumptions(self, facts: PairFacts) -> bool:
+        """Whether a pair keeps to what the ruleset assumes of its domain, as far as that is known."""
+        _, own, _ = self.recognised(facts)
+        try:
+            return all(decide(*own[:5], [None] * self._assumed.memory) for decide in self._assumed.decisions)
+        except UnknownFact:
+            return True
+
+    @cached_property
+    def _assumed(self) -> Any:
+        return program(self.text.domain.assume, self.text.vocabulary, self.text.constants)
+
     def _outcome(self, rule: Rule, facts: PairFacts, *, swapped: bool) -> Outcome | None:
         """What a rule says; a rule in Python is asked, and may have nothing to say."""
         if not rule.python:
@@ -190,6 +202,14 @@ class WrittenRuleset(PairRuleset):
     @cached_property
     def _decisions(self) -> tuple[Decision, ...]:
         return self._program.decisions[len(conditions_of(self.text.recognition)) :]
+
+    def python_rule(self, name: str) -> PythonRule:
+        """Rule in Python by its name; `KeyError` where there is none."""
+        return self._python[name]
+
+    def with_text(self, text: RulesetText) -> WrittenRuleset:
+        """The same ruleset with another text, and the same rules in Python and criteria."""
+        return WrittenRuleset(text, self._python, self._criteria)
 
     def mutated(self, index: int, *, negated: bool) -> WrittenRuleset:
         """The same ruleset with one fault: a rule's condition turned round, or the rule left out."""

@@ -8,7 +8,7 @@ import pytest
 
 from ccas_core.tapd.case_file import parse_cases
 from ccas_core.tapd.case_run import run_case
-from ccas_core.tapd.coverage import Change, coverage, own_cases, reached
+from ccas_core.tapd.coverage import Change, covered, own_cases, reached
 
 from . import installed, ruleset
 from .rulesets import SMALL, read
@@ -23,7 +23,7 @@ tests:
 
 def test_rules_that_decide_a_case_are_reached_and_the_others_missed() -> None:
     rules = read(SMALL + TESTS)
-    found = coverage(rules, rules.text.tests)
+    found = covered(rules, rules.text.tests)
 
     assert found.rules == ("ferry", "sail.over-motor", "sail.wind")
     assert reached(rules, rules.text.tests) == found.reached == {"ferry", "sail.over-motor"}
@@ -32,7 +32,7 @@ def test_rules_that_decide_a_case_are_reached_and_the_others_missed() -> None:
 
 def test_every_rule_has_two_mutants_and_those_that_a_case_notices_are_killed() -> None:
     rules = read(SMALL + TESTS)
-    mutants = {(each.rule, each.change): each for each in coverage(rules, rules.text.tests).mutants}
+    mutants = {(each.rule, each.change): each for each in covered(rules, rules.text.tests).mutants}
 
     assert set(mutants) == {(rule.id, change) for rule in rules.text.rules for change in Change}
     assert mutants["ferry", Change.DROPPED].killed_by == "ferry"
@@ -43,11 +43,11 @@ def test_every_rule_has_two_mutants_and_those_that_a_case_notices_are_killed() -
 def test_case_that_fails_without_any_mutation_kills_nothing() -> None:
     rules = read(SMALL + TESTS)
 
-    assert all(each.killed_by != "wrong" for each in coverage(rules, rules.text.tests).mutants)
+    assert all(each.killed_by != "wrong" for each in covered(rules, rules.text.tests).mutants)
 
 
 def test_without_cases_everything_survives() -> None:
-    found = coverage(read(SMALL), [])
+    found = covered(read(SMALL), [])
 
     assert found.missed == found.rules
     assert len(found.survivors) == len(found.mutants) == 6
@@ -90,7 +90,7 @@ def test_every_test_of_a_ruleset_that_we_ship_passes(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(installed()))
 def test_tests_of_a_ruleset_that_we_ship_reach_every_rule_and_kill_nearly_all_mutants(name: str) -> None:
     rules = ruleset(name)
-    found = coverage(rules, rules.text.tests)
+    found = covered(rules, rules.text.tests)
     if found.missed and name in UNWRITTEN:
         pytest.skip(UNWRITTEN[name])
 

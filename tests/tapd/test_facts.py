@@ -70,7 +70,7 @@ def is_crossing(facts: PairFacts, limit: float) -> bool:
 
 
 def overtakes(facts: PairFacts, limit: float) -> bool:
-    return condition("comes_up", T_ho=limit)(facts)
+    return condition("comes_up(own, other)", T_ho=limit)(facts)
 
 
 crosses: Condition = condition("from_starboard(own, other)")

@@ -208,7 +208,7 @@ def test_closing_is_a_range_that_shrinks() -> None:
 
 
 def test_time_to_the_intersection_is_compared_as_it_is_and_may_be_never() -> None:
-    facts = stated(at=((0, 0, 0, 3), (10, 10, 90, 3)))
+    facts = stated(at=((0, 0, 0, 3), (10, 10, 20, 3)))  # nearly parallel: one waterway
 
     assert facts["own.time_to_intersection"] == math.inf
     assert not PLAIN.decide("own.time_to_intersection < 1000000 h")(facts)
