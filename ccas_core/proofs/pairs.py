@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import z3
 
 from ..tapd.case_run import run_case
 from ..tapd.coverage import reached
-from ..tapd.language.formula import Formula
-from ..tapd.rules import Mirror, Rule
+from ..tapd.language.formula import Formula, Test
+from ..tapd.rules import Mirror, Policy, Rule
+from ..tapd.rules import Outcome as Said
 from ..tapd.written import WrittenRuleset
 from ..verdict import Kind, Verdict, agree
 from .findings import Fault, Finding, Outcome
@@ -57,11 +58,16 @@ class Tally:
         )
 
     def ask(
-        self, questions: Questions, terms: list[Term], goal: Goal, fault: Callable[[], Fault]
+        self,
+        questions: Questions,
+        terms: list[Term],
+        goal: Goal,
+        fault: Callable[[], Fault],
+        probe: WrittenRuleset | None = None,
     ) -> Found:
-        """Ask one question; ships that come of it make a fault."""
+        """Ask one question; ships that come of it make a fault.  A probe judges them in place of the ruleset."""
         self.questions += 1
-        found, method, ships = questions.settled(terms, goal)
+        found, method, ships = questions.settled(terms, goal, (probe, probe) if probe else None)
         if found is Found.IMPOSSIBLE:
             self.methods.add(method)
         elif ships is not None:
@@ -115,7 +121,10 @@ def _both_ways(tally: Tally, questions: Questions, place: Place) -> None:
         what = kinds.get(rule.outcome.kind, f"both ships begin ({rule.outcome.kind})")
         return Fault(title=f"{what} by rule '{rule.id}'", rules=(rule,), kind="contradiction")
 
-    tally.ask(questions, [*apply, before], lambda one, two: bool(agree(one, two)) and one.rule == rule.id, fault)
+    def shown(one: Verdict, two: Verdict) -> bool:
+        return one.rule == rule.id and (bool(agree(one, two)) or one.kind is Kind.CONFLICT)
+
+    tally.ask(questions, [*apply, before], shown, fault)
 
 
 def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) -> None:
@@ -129,7 +138,9 @@ def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) 
             tally.ask(
                 questions,
                 [own.decides(one), other.decides(two)],
-                lambda a, b, one=one, two=two: (a.rule, b.rule) == (one.rule.id, two.rule.id) and bool(agree(a, b)),  # type: ignore[misc]
+                lambda a, b, one=one, two=two: (
+                    (a.rule, b.rule) == (one.rule.id, two.rule.id) and bool(agree(a, b))
+                ),  # type: ignore[misc]
                 lambda rules=rules, kinds=kinds: Fault(  # type: ignore[misc]
                     title=f"one ship sees {kinds}", rules=rules, kind="contradiction"
                 ),
@@ -206,7 +217,9 @@ def no_dead_rule(questions: Questions) -> Finding:
             continue
         tally.questions += 1
         found, method, ships = questions.settled(
-            [own.decides(place)], lambda one, two, rule=rule: rule.id in (one.rule, two.rule)  # type: ignore[misc]
+            [own.decides(place)],
+            lambda one, two, rule=rule: rule.id in (one.rule, two.rule),  # type: ignore[misc]
+            enough=1,
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' can never decide", rules=(rule,), kind="dead rule")
@@ -236,7 +249,7 @@ def no_irrelevant_rule(questions: Questions) -> Finding:
         tally.questions += 1
         mutant = ruleset.mutated(place.index, negated=False)
         found, method, ships = questions.settled(
-            [own.decides(place), z3.Or(other)], _differs_without(rule), rulesets=(ruleset, mutant)
+            [own.decides(place), z3.Or(other)], _differs_without(rule), rulesets=(ruleset, mutant), enough=1
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' changes nothing", rules=(rule,), kind="irrelevant rule")
@@ -248,9 +261,7 @@ def no_irrelevant_rule(questions: Questions) -> Finding:
 
 def _needed(ruleset: WrittenRuleset) -> frozenset[str]:
     """Rules without which a test fails."""
-    tests = [
-        case for case in ruleset.text.tests if run_case(ruleset, case, case.expected[ruleset.id]).passed
-    ]
+    tests = [case for case in ruleset.text.tests if run_case(ruleset, case, case.expected[ruleset.id]).passed]
     found = set()
     for index, rule in enumerate(ruleset.text.rules):
         mutant = ruleset.mutated(index, negated=False)
@@ -313,9 +324,23 @@ def mirror_sound(questions: Questions) -> Finding:
     ]
     for title, terms in asked:
         tally.ask(
-            questions, terms, _seen_differently, lambda title=title: Fault(title=title, kind="contradiction")  # type: ignore[misc]
+            questions,
+            terms,
+            _seen_differently,
+            lambda title=title: Fault(title=title, kind="contradiction"),  # type: ignore[misc]
+            recognising(questions.rulesets[0]),
         )
     return tally.finding("mirror_sound")
+
+
+def recognising(ruleset: WrittenRuleset) -> WrittenRuleset:
+    """The same ruleset without its rules, but for one that tells whether there is a risk of collision."""
+    text = ruleset.text
+    first = text.rules[0]
+    risk = replace(
+        first, condition=Test("risk_of_collision", value=True), outcome=Said(kind=Kind.MUTUAL), python=""
+    )
+    return ruleset.with_text(replace(text, rules=(risk,), policy=Policy.FIRST, mirror=Mirror.NONE))
 
 
 def _met(questions: Questions) -> Term:
@@ -324,7 +349,8 @@ def _met(questions: Questions) -> Term:
 
 
 def _seen_differently(one: Verdict, two: Verdict) -> bool:
-    same = (one.geometry, one.overtaker, one.has_other_on_starboard) == (
+    same = (one.kind, one.geometry, one.overtaker, one.has_other_on_starboard) == (
+        two.kind,
         two.geometry,
         two.overtaker,
         two.has_other_on_starboard,
@@ -339,7 +365,7 @@ def tie_break_total(questions: Questions) -> Finding:
     if not any(order.criterion == "id" for order in orders):
         names = ", ".join(order.criterion for order in orders) or "nothing"
         tally.questions += 1
-        found, method, ships = questions.settled([z3.BoolVal(True)], lambda one, two: True)  # noqa: ARG005, FBT003
+        found, method, ships = questions.settled([z3.BoolVal(True)], lambda one, two: True, enough=1)  # noqa: ARG005, FBT003
         del found, method
         title = f"two ships that are alike in {names}: neither goes first"
         tally.faults.append(Fault(title=title, ships=ships, kind="tie"))
@@ -352,7 +378,7 @@ def domain_not_empty(questions: Questions) -> Finding:
     risk = questions.own.view.derived("risk_of_collision", value=True)
     tally.questions += 1
     found, method, ships = questions.settled(
-        [risk, _met(questions)], lambda one, two: one.geometry != "none" and one.reason != "no_risk"
+        [risk, _met(questions)], lambda one, two: one.geometry != "none" and one.reason != "no_risk", enough=1
     )
     if found is Found.IMPOSSIBLE:
         tally.faults.append(Fault(title="no two ships of the domain are ever at risk", kind="empty domain"))
@@ -371,11 +397,17 @@ def parameters(ruleset: WrittenRuleset, budget: Budget) -> Finding:
     for finding in (consistent(questions), mirror_sound(questions)):
         tally.questions += 1
         tally.methods.add(LINEAR if finding.outcome is Outcome.PROVED else finding.method)
-        known = [fault for fault in finding.faults if fault.rules and fault.rules[0].outcome.kind is Kind.CONFLICT]
+        known = [
+            fault for fault in finding.faults if fault.rules and fault.rules[0].outcome.kind is Kind.CONFLICT
+        ]
         tally.faults += [fault for fault in finding.faults if fault not in known]
         tally.open += list(finding.open)
     finding = tally.finding("parameters")
-    return finding if tally.faults or tally.open else tally.finding("parameters", f"for all of {', '.join(ranged)}")
+    return (
+        finding
+        if tally.faults or tally.open
+        else tally.finding("parameters", f"for all of {', '.join(ranged)}")
+    )
 
 
 def steady(questions: Questions) -> Iterator[str]:
@@ -383,5 +415,3 @@ def steady(questions: Questions) -> Iterator[str]:
     for rule in questions.rulesets[0].text.rules:
         if rule.python:
             yield rule.id
-
-

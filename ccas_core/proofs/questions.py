@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Final
 
+import numpy as np
 import z3
 
+from ..tapd.case_run import PARALLEL
+from ..tapd.facts import velocity
 from ..tapd.language.motion import dot
 from ..tapd.language.polynomial import Polynomial, number, variable
 from ..tapd.rules import Domain, RulesetText
 from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
+from ..units import DEGREE
 from .ladder import Ladder
-from .search import A, B, Facts, Goal, Ships, find, suggested
+from .search import A, B, ENOUGH, Facts, Goal, Ships, case_of, find, meetings, placed, suggested, widest
 from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonlinear
 from .symbols import Symbols, Term, View, constants_of
 
 ATTEMPTS: Final = 3  # models whose facts are tried
+VELOCITIES: Final = 18  # pairs of velocities for which places are asked for
+PLACING_LIMIT: Final = 0.5  # for one of them [s]
+NEVER: Final = 10**9  # stands for a time that does not come [s]
 # Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all quantities of
 # motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
@@ -106,28 +115,21 @@ class Questions:
         terms: Sequence[Term],
         goal: Goal,
         rulesets: tuple[WrittenRuleset, WrittenRuleset] | None = None,
+        enough: int = ENOUGH,
     ) -> tuple[Found, str, Ships | None]:
         """Decide whether terms can hold together: proved that they cannot, or ships that show that they can.
 
         The cheap questions come first, and ships are looked for as soon as there are facts to try.  They are judged by
-        `rulesets`, if these are not those of the question.
+        `rulesets`, if these are not those of the question; `enough` as in `search.find`.
         """
-        tried: list[Facts] = []
-
-        def ships(answer: Answer) -> Ships | None:
-            facts = suggested(self.rulesets[0].text, answer)
-            if facts in tried or self.budget.spent or answer.found is not Found.POSSIBLE:
-                return None
-            tried.append(facts)
-            return find(rulesets or self.rulesets, facts, goal)
-
         asked = [*terms, *self.domain()]
+        search = _Search(self, goal, rulesets or self.rulesets, enough)
         other: list[Term] = []
         for _ in range(ATTEMPTS):
             answer = ask_linear(self.symbols, [*asked, *other], self.budget)
             if answer.impossible and not other:
                 return Found.IMPOSSIBLE, answer.method, None
-            if (found := ships(answer)) is not None:
+            if (found := search.ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
             if not answer.flags:
                 break
@@ -136,21 +138,96 @@ class Questions:
                 answer = ask_nonlinear(self.symbols, asked, self.budget, NONLINEAR_LIMIT)
                 if answer.impossible:
                     return Found.IMPOSSIBLE, answer.method, None
-                if (found := ships(answer)) is not None:
+                if (found := search.ships(answer)) is not None:
                     return Found.POSSIBLE, answer.method, found
-        inside = self.motion_domain(self.rulesets[0].text.domain)
-        answer = ask_nonlinear(self.symbols, [*asked, *inside], self.budget, NONLINEAR_LIMIT)
+        inside = [*asked, *self.motion_domain(self.rulesets[0].text.domain)]
+        answer = ask_nonlinear(self.symbols, inside, self.budget, NONLINEAR_LIMIT)
         if answer.impossible:
             return Found.IMPOSSIBLE, answer.method, None
-        if (found := ships(answer)) is not None:
+        found = search.ships(answer) or search.with_velocities(inside)
+        if found is not None:
             return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None
 
 
+@dataclass(slots=True)
+class _Search:
+    """Looks for ships that show what the solver takes for possible."""
+
+    questions: Questions
+    goal: Goal
+    rulesets: tuple[WrittenRuleset, WrittenRuleset]
+    enough: int
+    tried: list[Facts] = field(default_factory=list)
+
+    def ships(self, answer: Answer) -> Ships | None:
+        """Ships with the facts of a model: where it has them, and elsewhere."""
+        if self.questions.budget.spent or answer.found is not Found.POSSIBLE:
+            return None
+        facts = suggested(self.questions.rulesets[0].text, answer)
+        rulesets = self._with_parameters(answer)
+        here = [case_of(facts, places) for places in placed(answer, rulesets[0].text.domain)]
+        found = widest(rulesets, here, self.goal, self.enough)
+        if found is None and facts not in self.tried:
+            self.tried.append(facts)
+            found = find(rulesets, facts, self.goal, enough=self.enough)
+        return found
+
+    def with_velocities(self, terms: Sequence[Term]) -> Ships | None:
+        """Ships with round velocities, placed by the solver: their motion is then linear, or nearly so."""
+        questions = self.questions
+        domain = questions.rulesets[0].text.domain
+        speeds = (float(domain.speed[0]), float(domain.speed[1]))
+        for places in meetings(np.random.default_rng(1), speeds, 1.0, VELOCITIES):
+            (_, _, course, own), (_, _, towards, other) = places[A], places[B]
+            fixed = _velocities((towards - course) * DEGREE, own, other)
+            answer = ask_nonlinear(questions.symbols, [*terms, *fixed], questions.budget, PLACING_LIMIT)
+            if (found := self.ships(answer)) is not None:
+                return found
+        return None
+
+    def _with_parameters(self, answer: Answer) -> tuple[WrittenRuleset, WrittenRuleset]:
+        """The rulesets with the values that a model gives to their parameters."""
+        if not self.questions.free:
+            return self.rulesets
+        values = {name.removeprefix("parameter."): v for name, v in answer.numbers.items() if "*" not in name}
+        return (_with_values(self.rulesets[0], values), _with_values(self.rulesets[1], values))
+
+
+def _with_values(ruleset: WrittenRuleset, values: Mapping[str, Fraction]) -> WrittenRuleset:
+    known = ruleset.text.parameters
+    changed = {
+        name: replace(each, value=values[name])
+        for name, each in known.items()
+        if name in values and each.low <= values[name] <= each.high
+    }
+    return ruleset.with_text(replace(ruleset.text, parameters={**known, **changed}))
+
+
+def _velocities(turn: float, own: float, other: float) -> list[Term]:
+    """That A sails north and B on a course [rad], and when they reach the line on which the other sails."""
+    north, east = velocity(turn, other)
+    wx, wy = z3.Real("w.x"), z3.Real("w.y")
+    fixed = [z3.Real("A.vx") == _exact(own), wx == _exact(north - own), wy == _exact(east)]
+    bx, by = z3.Real("B.x"), z3.Real("B.y")
+    times = z3.Real(f"{A}.time_to_intersection"), z3.Real(f"{B}.time_to_intersection")
+    across = own * east
+    if abs(math.sin(turn)) < PARALLEL:
+        return [*fixed, times[0] == NEVER, times[1] == NEVER]
+    sight = bx * _exact(east) - by * _exact(north), -_exact(own) * by
+    return [*fixed, *(t * _exact(across) == s for t, s in zip(times, sight, strict=True))]
+
+
+def _exact(value: float) -> Term:
+    return z3.RatVal(*value.as_integer_ratio())
+
+
 def _other_facts(answer: Answer) -> Term:
     """That some fact is not as in an answer."""
-    facts = {name: value for name, value in answer.flags.items() if "." in name and not name.startswith("known(")}
+    facts = {
+        name: value for name, value in answer.flags.items() if "." in name and not name.startswith("known(")
+    }
     return z3.Or([z3.Bool(name) != value for name, value in sorted(facts.items())] or [z3.BoolVal(False)])  # noqa: FBT003
 
 
@@ -175,5 +252,3 @@ def _ranges(symbols: Symbols, text: RulesetText) -> list[Term]:
             found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))
             found.append(symbols.sign(number(high) - variable(name), frozenset({0, 1})))
     return found
-
-

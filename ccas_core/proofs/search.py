@@ -9,7 +9,7 @@ any of eight directions before the fault is gone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Final, TypeAlias
@@ -19,7 +19,7 @@ import numpy as np
 from ..ships import ShipId
 from ..tapd.case_run import pair_facts
 from ..tapd.cases import Case, CaseShip
-from ..tapd.rules import RulesetText
+from ..tapd.rules import Domain, RulesetText
 from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
@@ -89,7 +89,9 @@ def _round(value: Fraction, fact: str) -> float:
     return float(near if fact != "passengers_max" and math.floor(near) == math.floor(value) else value)
 
 
-def case_of(facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships") -> Case:
+def case_of(
+    facts: Facts, places: Mapping[str, tuple[float, float, float, float]], name: str = "ships"
+) -> Case:
     """A case from facts and, by ship, north, east [m], course [deg] and speed [m/s]."""
     ships = tuple(
         CaseShip(
@@ -161,21 +163,47 @@ def find(
     goal: Goal,
     seed: int = 0,
     tries: int = TRIES,
+    enough: int = ENOUGH,
 ) -> Ships | None:
-    """Find ships with these facts that reach a goal; None if none of the tries does."""
+    """Find ships with these facts that reach a goal; None if none of the tries does.
+
+    The search ends with `enough` of them; with 1, when it is enough that there are any, the margin is left at 0.
+    """
     domain = rulesets[0].text.domain
     speeds = (float(domain.speed[0]), float(domain.speed[1]))
-    rng = np.random.default_rng(seed)
+    places = meetings(np.random.default_rng(seed), speeds, float(domain.separation), tries)
+    return widest(rulesets, (case_of(facts, each) for each in places), goal, enough)
+
+
+def widest(
+    rulesets: tuple[WrittenRuleset, WrittenRuleset], cases: Iterable[Case], goal: Goal, enough: int = ENOUGH
+) -> Ships | None:
+    """Of the first cases that reach a goal the one with the widest margin; None if none does."""
     hits: list[Ships] = []
-    for places in meetings(rng, speeds, float(domain.separation), tries):
-        case = case_of(facts, places)
+    for case in cases:
         if (verdicts := _reaches(rulesets, case, goal)) is not None:
             hits.append(Ships(case=case, verdicts=verdicts, margin=0.0))
-            if len(hits) == ENOUGH:
+            if len(hits) == enough:
                 break
-    if not hits:
-        return None
-    return max((replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin)
+    if len(hits) <= 1 and enough == 1:
+        return hits[0] if hits else None
+    measured = (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits)
+    return max(measured, key=lambda each: each.margin, default=None)
+
+
+def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, float, float, float]]]:
+    """Places of a model of two ships, A at the origin: rounded, and as they are; none outside of the domain."""
+    names = ("A.vx", "w.x", "w.y", "B.x", "B.y")
+    if not all(name in answer.numbers for name in names[1:]):
+        return
+    own, wx, wy, north, east = (float(answer.numbers.get(name, 0)) for name in names)
+    speed, course = math.hypot(own + wx, wy), math.degrees(math.atan2(wy, own + wx)) % 360.0
+    for digits in (0, 1, 2, 12):
+        pose = tuple(round(each, digits) for each in (north, east, course))
+        speeds = tuple(round(each, max(digits, 1)) for each in (own, speed))
+        within = all(float(domain.speed[0]) <= each <= float(domain.speed[1]) for each in speeds)
+        if within and math.hypot(*pose[:2]) >= float(domain.separation):
+            yield {A: (0.0, 0.0, 0.0, speeds[0]), B: (pose[0], pose[1], pose[2], speeds[1])}
 
 
 def _reaches(

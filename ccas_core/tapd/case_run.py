@@ -18,7 +18,7 @@ from .language.code import MOTION, Missing
 from .ruleset import PairRuleset
 from .vocabulary import Scope, Vocabulary
 
-_PARALLEL: Final = math.sin(math.radians(22.5))
+PARALLEL: Final = math.sin(math.radians(22.5))
 _NO_WEIGHT: Final = 1.0  # of a ship whose weight a case does not state [kg]
 
 
@@ -124,7 +124,7 @@ def crossing_time(
     Negative when past; never, where the courses are within 22.5 deg of parallel: then it is the same waterway.
     """
     across = math.sin(other[2] - own[2])
-    if abs(across) < _PARALLEL or speed <= STOPPED:
+    if abs(across) < PARALLEL or speed <= STOPPED:
         return math.inf
     north, east = other[0] - own[0], other[1] - own[1]
     return (north * math.sin(other[2]) - east * math.cos(other[2])) / across / speed

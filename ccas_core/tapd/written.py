@@ -232,6 +232,10 @@ class WrittenRuleset(PairRuleset):
         first = 0 if self.text.recognition is None else 5
         return tuple(self._program.decisions[first:])
 
+    def with_text(self, text: RulesetText) -> WrittenRuleset:
+        """Another ruleset with the same functions of plugins."""
+        return WrittenRuleset(text, self._python, self._criteria)
+
     def mutated(self, index: int, *, negated: bool) -> WrittenRuleset:
         """The same ruleset with one fault: a rule's condition turned round, or the rule left out."""
         mutant = WrittenRuleset(self.text, self._python, self._criteria)
