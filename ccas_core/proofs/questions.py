@@ -13,7 +13,7 @@ import numpy as np
 import z3
 
 from ..tapd.case_run import PARALLEL
-from ..tapd.facts import velocity
+from ..tapd.facts import velocity as velocity_of
 from ..tapd.language.motion import dot
 from ..tapd.language.polynomial import Polynomial, number, variable
 from ..tapd.rules import Domain, RulesetText
@@ -21,7 +21,21 @@ from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
 from .ladder import Ladder
-from .search import A, B, ENOUGH, Facts, Goal, Ships, case_of, find, meetings, placed, suggested, widest
+from .search import (
+    ENOUGH,
+    A,
+    B,
+    Facts,
+    Goal,
+    Ships,
+    case_of,
+    find,
+    meetings,
+    placed,
+    suggested,
+    telling_speeds,
+    widest,
+)
 from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonlinear
 from .symbols import Symbols, Term, View, constants_of
 
@@ -165,13 +179,15 @@ class _Search:
         """Ships with the facts of a model: where it has them, and elsewhere."""
         if self.questions.budget.spent or answer.found is not Found.POSSIBLE:
             return None
-        facts = suggested(self.questions.rulesets[0].text, answer)
+        atoms = self.questions.symbols.atoms
+        facts = suggested(self.questions.rulesets[0].text, answer, atoms=atoms)
         rulesets = self._with_parameters(answer)
         here = [case_of(facts, places) for places in placed(answer, rulesets[0].text.domain)]
         found = widest(rulesets, here, self.goal, self.enough)
         if found is None and facts not in self.tried:
             self.tried.append(facts)
-            found = find(rulesets, facts, self.goal, enough=self.enough)
+            speeds = telling_speeds(atoms, rulesets[0].text.domain)
+            found = find(rulesets, facts, self.goal, enough=self.enough, wanted=speeds)
         return found
 
     def with_velocities(self, terms: Sequence[Term]) -> Ships | None:
@@ -179,7 +195,8 @@ class _Search:
         questions = self.questions
         domain = questions.rulesets[0].text.domain
         speeds = (float(domain.speed[0]), float(domain.speed[1]))
-        for places in meetings(np.random.default_rng(1), speeds, 1.0, VELOCITIES):
+        wanted = telling_speeds(questions.symbols.atoms, domain)
+        for places in meetings(np.random.default_rng(1), speeds, 1.0, VELOCITIES, wanted):
             (_, _, course, own), (_, _, towards, other) = places[A], places[B]
             fixed = _velocities((towards - course) * DEGREE, own, other)
             answer = ask_nonlinear(questions.symbols, [*terms, *fixed], questions.budget, PLACING_LIMIT)
@@ -207,7 +224,7 @@ def _with_values(ruleset: WrittenRuleset, values: Mapping[str, Fraction]) -> Wri
 
 def _velocities(turn: float, own: float, other: float) -> list[Term]:
     """That A sails north and B on a course [rad], and when they reach the line on which the other sails."""
-    north, east = velocity(turn, other)
+    north, east = velocity_of(turn, other)
     wx, wy = z3.Real("w.x"), z3.Real("w.y")
     fixed = [z3.Real("A.vx") == _exact(own), wx == _exact(north - own), wy == _exact(east)]
     bx, by = z3.Real("B.x"), z3.Real("B.y")

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 from ..ships import ShipId
 from ..tapd.case_run import pair_facts
 from ..tapd.cases import Case, CaseShip
+from ..tapd.language.polynomial import Polynomial
 from ..tapd.rules import Domain, RulesetText
 from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
@@ -53,8 +55,13 @@ class Facts:
     pair: Mapping[str, Any]
 
 
-def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) -> Facts:
-    """Facts of a model, by ship; what it leaves open has its default."""
+def suggested(
+    text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B), atoms: Iterable[Polynomial] = ()
+) -> Facts:
+    """Facts of a model, by ship; what it leaves open has its default.
+
+    `atoms` are the polynomials whose signs are asked for: numbers are rounded as far as these allow.
+    """
     by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH, "beam": 10.0} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
@@ -71,22 +78,34 @@ def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) 
             by_ship[owner][fact] = word or value
         elif "-" in owner:
             pair[fact] = value
-    for name, number in answer.numbers.items():
+    numbers = _written_numbers(text, answer.numbers, atoms)
+    for name, number in numbers.items():
         owner, _, fact = name.partition(".")
-        known = text.vocabulary.find(Scope.SHIP, fact)
-        if owner in by_ship and known is not None and known.kind is Kind.NUMBER and "*" not in name:
-            by_ship[owner][fact] = _round(number, fact)
+        (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = number
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
     return Facts(by_ship, waterway, pair)
 
 
-def _round(value: Fraction, fact: str) -> float:
-    """A number as people write it, on the same side of every whole number."""
-    if value.denominator == 1:
-        return float(value)
-    near = Fraction(round(value * 2), 2)
-    return float(near if fact != "passengers_max" and math.floor(near) == math.floor(value) else value)
+def _written_numbers(
+    text: RulesetText, numbers: Mapping[str, Fraction], atoms: Iterable[Polynomial]
+) -> dict[str, float]:
+    """Numbers of facts as people write them, if that changes no condition on facts; else as they are."""
+    exact = {}
+    for name, value in numbers.items():
+        owner, _, fact = name.partition(".")
+        known = text.vocabulary.find(Scope.WATERWAY if owner == "waterway" else Scope.SHIP, fact)
+        if known is not None and known.kind is Kind.NUMBER and "*" not in name:
+            exact[name] = value
+    near = {name: Fraction(round(value * 2), 2) for name, value in exact.items()}
+    asked = [each for each in atoms if each.variables and each.variables <= exact.keys()]
+    same = all(_sign(each, exact) == _sign(each, near) for each in asked)
+    return {name: float(value) for name, value in (near if same else exact).items()}
+
+
+def _sign(polynomial: Polynomial, values: Mapping[str, Fraction]) -> int:
+    value = polynomial.evaluated(values, Fraction)
+    return (value > 0) - (value < 0)
 
 
 def case_of(
@@ -113,9 +132,16 @@ def judged(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> tuple
 
 
 def meetings(
-    rng: np.random.Generator, speeds: tuple[float, float], separation: float, count: int
+    rng: np.random.Generator,
+    speeds: tuple[float, float],
+    separation: float,
+    count: int,
+    wanted: Sequence[float] = (),
 ) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Two ships that come near one another: head-on, overtaking, crossing, exactly parallel, or just anyhow."""
+    """Two ships that come near one another: head-on, overtaking, crossing, exactly parallel, or just anyhow.
+
+    `wanted` are speeds of which one is often taken.
+    """
     for n in range(count):
         kind = n % 6
         course = float(rng.integers(0, 360))
@@ -127,16 +153,26 @@ def meetings(
             4: float(rng.integers(20, 161)) * rng.choice((-1.0, 1.0)),
             5: float(rng.integers(0, 360)),
         }[kind]
-        placed = _pair(rng, course if kind != 3 else 0.0, float(turn), speeds, separation)
+        placed = _pair(rng, course if kind != 3 else 0.0, float(turn), speeds, separation, wanted)
         if placed is not None:
             yield placed
 
 
 def _pair(
-    rng: np.random.Generator, course: float, turn: float, speeds: tuple[float, float], separation: float
+    rng: np.random.Generator,
+    course: float,
+    turn: float,
+    speeds: tuple[float, float],
+    separation: float,
+    wanted: Sequence[float],
 ) -> dict[str, tuple[float, float, float, float]] | None:
     low, high = math.ceil(2.0 * speeds[0]), math.floor(2.0 * speeds[1])
-    own, other = (float(rng.integers(low, high + 1)) / 2.0 for _ in range(2))
+    own, other = (
+        float(rng.choice(wanted))
+        if wanted and rng.random() < 0.5
+        else float(rng.integers(low, high + 1)) / 2.0
+        for _ in range(2)
+    )
     courses = (course % 360.0, (course + turn) % 360.0)
     relative = math.hypot(
         other * math.cos(courses[1] * DEGREE) - own * math.cos(courses[0] * DEGREE),
@@ -164,14 +200,16 @@ def find(
     seed: int = 0,
     tries: int = TRIES,
     enough: int = ENOUGH,
+    wanted: Sequence[float] = (),
 ) -> Ships | None:
     """Find ships with these facts that reach a goal; None if none of the tries does.
 
     The search ends with `enough` of them; with 1, when it is enough that there are any, the margin is left at 0.
+    `wanted` are speeds worth trying.
     """
     domain = rulesets[0].text.domain
     speeds = (float(domain.speed[0]), float(domain.speed[1]))
-    places = meetings(np.random.default_rng(seed), speeds, float(domain.separation), tries)
+    places = meetings(np.random.default_rng(seed), speeds, float(domain.separation), tries, wanted)
     return widest(rulesets, (case_of(facts, each) for each in places), goal, enough)
 
 
@@ -189,6 +227,21 @@ def widest(
         return hits[0] if hits else None
     measured = (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits)
     return max(measured, key=lambda each: each.margin, default=None)
+
+
+def telling_speeds(atoms: Iterable[Polynomial], domain: Domain) -> tuple[float, ...]:
+    """Speeds between, and at, those that conditions compare with: none, where speeds are compared with none."""
+    limits = set()
+    for atom in atoms:
+        terms = dict(atom.terms)
+        square = terms.pop(("A.vx", "A.vx"), None)
+        if square is not None and terms.keys() == {()} and terms[()] * square < 0:
+            limits.add(math.sqrt(-terms[()] / square))
+    if not limits:
+        return ()
+    inside = sorted(each for each in limits if domain.speed[0] <= each <= domain.speed[1])
+    ends = [float(domain.speed[0]), *inside, float(domain.speed[1])]
+    return tuple(sorted({*inside, *((low + high) / 2.0 for low, high in pairwise(ends))}))
 
 
 def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, float, float, float]]]:
