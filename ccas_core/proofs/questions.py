@@ -158,7 +158,7 @@ class Questions:
         answer = ask_nonlinear(self.symbols, inside, self.budget, NONLINEAR_LIMIT)
         if answer.impossible:
             return Found.IMPOSSIBLE, answer.method, None
-        found = search.ships(answer) or search.with_velocities(inside)
+        found = search.ships(answer) or search.with_velocities(inside) or search.of_tests()
         if found is not None:
             return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
@@ -203,6 +203,11 @@ class _Search:
             if (found := self.ships(answer)) is not None:
                 return found
         return None
+
+    def of_tests(self) -> Ships | None:
+        """Ships of the ruleset's own tests, whose encounter may be one that only a chart could show."""
+        tests = (case for case in self.rulesets[0].text.tests if {ship.id for ship in case.ships} == {A, B})
+        return widest(self.rulesets, tests, self.goal, enough=1)
 
     def _with_parameters(self, answer: Answer) -> tuple[WrittenRuleset, WrittenRuleset]:
         """The rulesets with the values that a model gives to their parameters."""
