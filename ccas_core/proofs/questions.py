@@ -17,9 +17,10 @@ from ..tapd.facts import velocity as velocity_of
 from ..tapd.language.motion import dot
 from ..tapd.language.polynomial import Polynomial, number, variable
 from ..tapd.rules import Domain, RulesetText
-from ..tapd.vocabulary import Kind, Scope
+from ..tapd.vocabulary import Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
+from .claims import bounded_below
 from .ladder import Ladder
 from .search import (
     ENOUGH,
@@ -100,7 +101,7 @@ class Questions:
         for name in sorted(asked):
             owner, _, fact = name.partition(".")
             known = text.vocabulary.find(Scope.SHIP, fact)
-            if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
+            if owner not in (A, B) or known is None or not bounded_below(known):
                 continue
             low, high = text.domain.length if fact == "length" else (0, None)
             found.append(self.symbols.sign(variable(name) - number(low), frozenset({0, 1})))
