@@ -15,8 +15,8 @@ from dataclasses import dataclass
 class Diagnostic:
     """One finding: where, what was found, what was expected, and what would help.
 
-    `line` and `column` count from 1; 0 means that the finding concerns the file as a whole.  `width` is how many
-    letters are meant.  A finding with a `code` has a page of its own (`ccas code CODE`).
+    `line` and `column` count from 1; 0 means that the finding concerns the file as a whole.  `width` is how
+    many letters are meant.  A finding with a `code` has a page of its own (`ccas code CODE`).
     """
 
     source: str

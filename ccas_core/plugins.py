@@ -8,18 +8,21 @@ from __future__ import annotations
 
 import importlib.metadata
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+import traceback
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import pluggy
 
 from . import hookspecs
+from .entry_points import EntryPoint, apart, package_of
 from .errors import Diagnostic, RulesetError, did_you_mean
-from .events import DeadlockDetected, Event, OrderDecided, RulesetSwitched
 from .hookspecs import PluginInfo
+from .observers import Observers
+from .plugin_failures import Failure, Guard, Troubles
 from .tapd.library import RulesetLibrary, id_in
 from .tapd.python_rules import PythonRule
 from .tapd.ranking import RankingCriterion
@@ -28,11 +31,6 @@ from .tapd.vocabulary import VOCABULARY, Fact, Vocabulary
 from .waterway import Region
 
 GROUP: Final = "ccas"
-_OBSERVERS: Final = {
-    OrderDecided: "ccas_order_decided",
-    RulesetSwitched: "ccas_ruleset_switched",
-    DeadlockDetected: "ccas_deadlock_detected",
-}
 _COLLECTED: Final[Mapping[str, tuple[type, ...]]] = {  # what may be returned, by hook
     "ccas_facts": (Fact,),
     "ccas_rulesets": (AbstractRuleset, Path),
@@ -42,44 +40,13 @@ _COLLECTED: Final[Mapping[str, tuple[type, ...]]] = {  # what may be returned, b
 }
 
 
-class EntryPoint(Protocol):
-    """What is needed of an entry point; `importlib.metadata.EntryPoint` has it."""
-
-    @property
-    def name(self) -> str:
-        """Name of the plugin."""
-
-    @property
-    def value(self) -> str:
-        """Module that it points at."""
-
-    def load(self) -> object:
-        """Import the plugin."""
-
-
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """A plugin that was left out, or a part of it, and why."""
-
-    plugin: str
-    target: str
-    cause: str
-    hint: str
-    effect: str = "what it offers is not available"
-
-    def __str__(self) -> str:
-        return (
-            f"warning: plugin {self.plugin!r} ({self.target}) is left out\n"
-            f"    cause: {self.cause}\n    effect: {self.effect}\n    hint: {self.hint}"
-        )
-
-
 @dataclass(slots=True, kw_only=True)
 class _Loaded:
     """One plugin, and what it offers."""
 
     name: str
     target: str
+    package: str
     manager: pluggy.PluginManager
     info: PluginInfo | None
     offers: dict[str, list[Any]] = field(default_factory=dict)
@@ -100,6 +67,9 @@ class Plugins:
     pair_rules: Mapping[str, PythonRule]
     criteria: Mapping[str, RankingCriterion]
     regions: Mapping[str, Region]
+    packages: Mapping[str, str]  # plugin -> its distribution, with its version
+    offers: Mapping[str, Mapping[str, tuple[str, ...]]]  # plugin -> hook -> names of what it offers
+    troubles: Troubles  # what fails while plugins are at work
     _managers: tuple[tuple[str, pluggy.PluginManager], ...] = ()
 
     def ruleset(self, name: str) -> AbstractRuleset:
@@ -108,8 +78,8 @@ class Plugins:
         Raises
         ------
         RulesetError
-            If no plugin that works offers it, with the name that comes nearest; or with all that is wrong in its
-            file.
+            If no plugin that works offers it, with the name that comes nearest; or with all that is wrong
+            in its file.
         """
         if name in self.rulesets:
             return self.rulesets[name]
@@ -122,55 +92,41 @@ class Plugins:
 
     def observers(self) -> Observers:
         """Those who want to know what happens on a voyage."""
-        return Observers(self._managers)
-
-
-class Observers:
-    """Plugins that observe a voyage; one that raises is told of once, and not asked again for that event."""
-
-    def __init__(self, managers: Iterable[tuple[str, pluggy.PluginManager]]) -> None:
-        self._managers = tuple(managers)
-        self._silenced: set[tuple[str, str]] = set()
-
-    def tell(self, event: Event) -> Iterator[Failure]:
-        """Tell all observers of an event; yield those that failed."""
-        hook = _OBSERVERS[type(event)]
-        for name, manager in self._managers:
-            if (name, hook) in self._silenced or not getattr(manager.hook, hook).get_hookimpls():
-                continue
-            try:
-                getattr(manager.hook, hook)(event=event)
-            except Exception as error:  # a plugin may raise anything, and the voyage goes on
-                self._silenced.add((name, hook))
-                cause = f"{hook} raised {type(error).__name__}: {error}"
-                yield Failure(
-                    name, hook, cause, "mend it, or uninstall it", "it observes no more such events"
-                )
+        return Observers(self._managers, self.packages)
 
 
 def load(
-    entry_points: Iterable[EntryPoint] | None = None, trace: Callable[[str], object] | None = None
+    entry_points: Iterable[EntryPoint] | None = None,
+    trace: Callable[[str], object] | None = None,
+    only: Collection[str] | None = None,
 ) -> Plugins:
     """Load plugins from entry points (those installed, unless given) and collect what they offer.
 
-    `trace`, if given, is called with a line for every hook call, saying who answered what.  Ruleset files are read
-    when a ruleset is first asked for.
+    `trace`, if given, is called with a line for every hook call, saying who answered what.  With `only`,
+    plugins of other names are not even imported, save those that come with this package.  Ruleset files are
+    read when a ruleset is first asked for.
     """
-    points = importlib.metadata.entry_points(group=GROUP) if entry_points is None else entry_points
+    points = list(importlib.metadata.entry_points(group=GROUP) if entry_points is None else entry_points)
+    wanted = [each for each in points if only is None or each.name in only or _is_ours(each)]
     loaded: list[_Loaded] = []
     failures: list[Failure] = []
+    troubles = Troubles()
     vocabulary = VOCABULARY
-    facts: dict[str, str] = {}
-    for point in sorted(points, key=lambda each: each.name):
+    for point in apart(wanted, failures):
         try:
-            plugin = _loaded(point, trace)
+            plugin = _loaded(point, trace, troubles)
             vocabulary = vocabulary.extended(plugin.offers["ccas_facts"])
-        except Exception as error:  # a plugin may raise anything at import
-            cause = f"{type(error).__name__}: {error}"
-            failures.append(Failure(point.name, point.value, cause, "mend it, or uninstall it"))
+        except (Exception, SystemExit) as error:  # a plugin may raise anything at import
+            failures.append(_left_out(point, error))
             continue
-        facts |= {fact.name: point.name for fact in plugin.offers["ccas_facts"]}
         loaded.append(plugin)
+    return _together(loaded, failures, vocabulary, troubles)
+
+
+def _together(
+    loaded: list[_Loaded], failures: list[Failure], vocabulary: Vocabulary, troubles: Troubles
+) -> Plugins:
+    """Put together what plugins offer; what two of them call by one name is refused to both."""
     python = _by_name(loaded, failures, "ccas_pair_rules", "rule in Python", lambda rule: rule.name)
     criteria = _by_name(loaded, failures, "ccas_criteria", "criterion", lambda each: each.name)
     regions = _by_name(loaded, failures, "ccas_regions", "region", lambda region: region.id)
@@ -192,35 +148,75 @@ def load(
         infos=MappingProxyType({plugin.name: plugin.info for plugin in loaded if plugin.info}),
         hooks=MappingProxyType({plugin.name: tuple(_implemented(plugin.manager)) for plugin in loaded}),
         vocabulary=vocabulary,
-        facts=MappingProxyType(facts),
+        facts=MappingProxyType(
+            {fact.name: plugin.name for plugin in loaded for fact in plugin.offers["ccas_facts"]}
+        ),
         pair_rules=MappingProxyType(python),
         criteria=MappingProxyType(criteria),
         regions=MappingProxyType(regions),
+        packages=MappingProxyType({plugin.name: plugin.package for plugin in loaded}),
+        offers=MappingProxyType({plugin.name: _offered(plugin) for plugin in identified}),
+        troubles=troubles,
         _managers=tuple((plugin.name, plugin.manager) for plugin in loaded),
     )
 
 
-def _loaded(point: EntryPoint, trace: Callable[[str], object] | None) -> _Loaded:
+def _is_ours(point: EntryPoint) -> bool:
+    return package_of(point).startswith("ccas ")
+
+
+def _left_out(point: EntryPoint, error: BaseException) -> Failure:
+    return Failure(
+        plugin=point.name,
+        target=point.value,
+        cause=f"{type(error).__name__}: {error}",
+        package=package_of(point),
+        hint=f"`ccas plugins --debug {point.name}` shows where; mend it, or uninstall its package",
+        trace="".join(traceback.format_exception(error)),
+    )
+
+
+def _loaded(point: EntryPoint, trace: Callable[[str], object] | None, troubles: Troubles) -> _Loaded:
     """Import one plugin, register it with a host of its own, and collect what it offers."""
     manager = pluggy.PluginManager(hookspecs.PROJECT)
     manager.add_hookspecs(hookspecs)
     plugin = point.load()
-    manager.register(plugin, name=point.name)
+    _check_version(plugin)  # before all else: what else is wrong may come from there
     _check_names(plugin)
+    manager.register(plugin, name=point.name)
     manager.check_pending()
-    info = manager.hook.ccas_plugin_info()
-    if info is not None and not isinstance(info, PluginInfo):
-        raise TypeError(f"ccas_plugin_info must return a PluginInfo, got {type(info).__name__}")
-    if info is not None and info.api != hookspecs.API:
-        raise TypeError(
-            f"it was written for version {info.api} of the hooks, and this is version {hookspecs.API}"
-        )
-    found = _Loaded(name=point.name, target=point.value, manager=manager, info=info)
+    found = _Loaded(
+        name=point.name,
+        target=point.value,
+        package=package_of(point),
+        manager=manager,
+        info=manager.hook.ccas_plugin_info(),
+    )
     for hook, kinds in _COLLECTED.items():
         found.offers[hook] = _collected(manager, hook, kinds)
         if trace is not None and getattr(manager.hook, hook).get_hookimpls():
-            trace(f"{point.name}: {hook} -> {_named(found.offers[hook]) or 'nothing'}")
+            trace(f"{point.name}: {hook} -> {', '.join(_names(found.offers[hook])) or 'nothing'}")
+    guard = Guard(point.name, found.package, troubles)
+    for hook, guarded in (
+        ("ccas_facts", guard.fact),
+        ("ccas_pair_rules", guard.rule),
+        ("ccas_criteria", guard.criterion),
+    ):
+        found.offers[hook] = [guarded(each) for each in found.offers[hook]]
     return found
+
+
+def _check_version(plugin: object) -> None:
+    """Refuse a plugin that was written for another version of the hooks."""
+    ask = getattr(plugin, "ccas_plugin_info", None)
+    if not callable(ask):
+        return
+    info = ask()
+    if not isinstance(info, PluginInfo):
+        raise TypeError(f"ccas_plugin_info must return a PluginInfo, got {type(info).__name__}")
+    if info.api != hookspecs.API:
+        here = f"this is version {hookspecs.API}"
+        raise TypeError(f"it was written for version {info.api} of the hooks, and {here}")
 
 
 def _collected(manager: pluggy.PluginManager, hook: str, kinds: tuple[type, ...]) -> list[Any]:
@@ -247,11 +243,19 @@ def _check_ruleset(ruleset: AbstractRuleset) -> None:
             raise TypeError(f"{name} of {type(ruleset).__name__} must be a text, got {value!r}")
 
 
-def _named(offered: Iterable[Any]) -> str:
-    return ", ".join(
-        each.name if isinstance(each, Path) else str(getattr(each, "id", None) or each.name)
-        for each in offered
-    )
+def _names(offered: Iterable[Any]) -> tuple[str, ...]:
+    """Names of what a plugin offers; of a ruleset file that has been looked into, its id."""
+    return tuple(_name(each[0] if isinstance(each, tuple) else each) for each in offered)
+
+
+def _offered(plugin: _Loaded) -> dict[str, tuple[str, ...]]:
+    return {hook: _names(each) for hook, each in plugin.offers.items()}
+
+
+def _name(each: Any) -> str:  # noqa: ANN401 - whatever hooks return
+    if isinstance(each, str | Path):
+        return each if isinstance(each, str) else each.name
+    return str(getattr(each, "id", None) or each.name)
 
 
 def _identified(loaded: Iterable[_Loaded], failures: list[Failure]) -> list[_Loaded]:
@@ -263,21 +267,20 @@ def _identified(loaded: Iterable[_Loaded], failures: list[Failure]) -> list[_Loa
             try:
                 id_ = each.id if isinstance(each, AbstractRuleset) else id_in(each)
             except RulesetError as error:
-                cause = str(error.diagnostics[0]).splitlines()[0]
-                hint = error.diagnostics[0].hint or "mend the file"
-                failures.append(Failure(plugin.name, str(each), cause, hint, "this ruleset is not available"))
+                failures.append(
+                    Failure(
+                        plugin=plugin.name,
+                        target=str(each),
+                        cause=error.diagnostics[0].message,
+                        hint=error.diagnostics[0].hint or "mend the file",
+                        effect="this ruleset is not available",
+                        package=plugin.package,
+                        whole=False,
+                    )
+                )
                 continue
             rulesets.append((id_, each))
-        offers = {**plugin.offers, "ccas_rulesets": rulesets}
-        found.append(
-            _Loaded(
-                name=plugin.name,
-                target=plugin.target,
-                manager=plugin.manager,
-                info=plugin.info,
-                offers=offers,
-            )
-        )
+        found.append(replace(plugin, offers={**plugin.offers, "ccas_rulesets": rulesets}))
     return found
 
 
@@ -285,17 +288,28 @@ def _by_name(
     loaded: Iterable[_Loaded], failures: list[Failure], hook: str, what: str, name: Callable[[Any], str]
 ) -> dict[str, Any]:
     """Offers of a hook by their names; a name that two plugins use is refused to both."""
-    offers: dict[str, list[tuple[str, Any]]] = {}
+    offers: dict[str, list[tuple[_Loaded, Any]]] = {}
     for plugin in loaded:
         for each in plugin.offers[hook]:
-            offers.setdefault(name(each), []).append((plugin.name, each))
+            offers.setdefault(name(each), []).append((plugin, each))
     found = {}
     for id_, offered in sorted(offers.items()):
         if len(offered) > 1:
-            names = " and ".join(repr(owner) for owner, _ in offered)
-            cause = f"plugins {names} both define {what} {id_!r}"
-            effect = f"this {what} is not available"
-            failures.append(Failure(offered[-1][0], id_, cause, "rename one of the two", effect))
+            last, names = offered[-1][0], [repr(owner.name) for owner, _ in offered]
+            cause = f"plugins {' and '.join(names)} both define {what} {id_!r}"
+            if len(set(names)) == 1:
+                cause = f"plugin {names[0]} defines {what} {id_!r} twice"
+            failures.append(
+                Failure(
+                    plugin=last.name,
+                    target=f"{what} {id_!r}",
+                    cause=cause,
+                    hint="rename one of the two",
+                    effect=f"this {what} is not available",
+                    package=last.package,
+                    whole=False,
+                )
+            )
             continue
         found[id_] = offered[0][1]
     return found
@@ -308,11 +322,15 @@ def _implemented(manager: pluggy.PluginManager) -> Iterator[str]:
 
 
 def _check_names(plugin: object) -> None:
-    """Refuse a misspelt hook, with the name that was probably meant."""
+    """Refuse a misspelt hook, with the name that was probably meant, and one that is not marked as a hook."""
     known = [name for name in vars(hookspecs) if name.startswith("ccas_")]
     for name in dir(plugin):
-        if name.startswith("ccas_") and callable(getattr(plugin, name)) and name not in known:
+        if not name.startswith("ccas_") or not callable(function := getattr(plugin, name)):
+            continue
+        if name not in known:
             raise TypeError(f"unknown hook {name!r}; {did_you_mean(name, known)}")
+        if not hasattr(function, f"{hookspecs.PROJECT}_impl"):
+            raise TypeError(f"{name} would never be called: write @hookimpl above it")
 
 
 def warn(failures: Iterable[Failure]) -> None:

@@ -157,6 +157,7 @@ class PriorityGraph:
     digraph: Digraph = field(init=False, repr=False)
     order: tuple[tuple[ShipId, ...], ...] = field(init=False)
     openings: tuple[Opening, ...] = field(init=False)
+    _by_pair: Mapping[tuple[ShipId, ShipId], Settlement] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         pairs = [settlement.pair for settlement in self.settlements]
@@ -175,6 +176,7 @@ class PriorityGraph:
         order, openings = open_cycles(graph, ranks, self.criterion)
         set_ = object.__setattr__
         set_(self, "masses", MappingProxyType(dict(self.masses)))
+        set_(self, "_by_pair", MappingProxyType(dict(zip(pairs, self.settlements, strict=True))))
         set_(self, "digraph", nx.freeze(graph))
         set_(self, "order", order)
         set_(self, "openings", openings)
@@ -194,10 +196,8 @@ class PriorityGraph:
 
     def bearing(self, own: ShipId, other: ShipId) -> Bearing:
         """What layer 2 of `own` may know of its encounter with `other`."""
-        for settlement in self.settlements:
-            if settlement.pair == (min(own, other), max(own, other)):
-                return bearing(settlement, own)
-        return NO_BEARING
+        settlement = self._by_pair.get((min(own, other), max(own, other)))
+        return NO_BEARING if settlement is None else bearing(settlement, own)
 
 
 def bearing(settlement: Settlement, own: ShipId) -> Bearing:

@@ -56,9 +56,10 @@ class Citation:
 class Verdict:
     """Verdict of `own`'s view on its encounter with `other`.
 
-    `initiator` is the ship that wants the manoeuvre of a `cooperate` or `prohibited` verdict; the other one is to
-    adapt.  `facilitates` is a privileged ship that has a duty of its own, `must_follow` the one that has to take the
-    side chosen by the other.  `diagnosis` names what is wrong where a regulation contradicts itself or is silent.
+    `initiator` is the ship that wants the manoeuvre of a `cooperate` or `prohibited` verdict; the other one
+    is to adapt.  `facilitates` is a privileged ship that has a duty of its own, `must_follow` the one that
+    has to take the side chosen by the other.  `diagnosis` names what is wrong where a regulation contradicts
+    itself or is silent.
     `reason` says in words why the rule applied, or why none did.
     """
 

@@ -29,7 +29,9 @@ def proved(ruleset: WrittenRuleset, budget: float) -> frozenset[str]:
     """Names of the properties that are proved."""
     questions = Questions((ruleset, ruleset), Budget(budget))
     findings = [prove(questions) for prove in PROPERTIES]
-    return frozenset(each.property for each in findings if each is not None and each.outcome is Outcome.PROVED)
+    return frozenset(
+        each.property for each in findings if each is not None and each.outcome is Outcome.PROVED
+    )
 
 
 def tried(name: str, *, count: int, budget: float, seed: int) -> tuple[str, bool]:
@@ -47,12 +49,16 @@ def tried(name: str, *, count: int, budget: float, seed: int) -> tuple[str, bool
     ]
     seconds = time.perf_counter() - began
     line = f"{name}: {count} encounters in {seconds:.0f} s; proved: {', '.join(sorted(certain)) or 'nothing'}"
-    return "\n".join([line, *(f"    {each[0]} is contradicted by {each[1]}" for each in wrong[:3])]), not wrong
+    return "\n".join(
+        [line, *(f"    {each[0]} is contradicted by {each[1]}" for each in wrong[:3])]
+    ), not wrong
 
 
 def main() -> int:
     """Run the study."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--count", type=int, default=1_000_000, help="encounters of all rulesets together")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--budget", type=float, default=60.0, help="for the proofs of one ruleset [s]")

@@ -23,7 +23,7 @@ from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import Opening, PriorityGraph, settle
+from ..priority import Opening, bearing, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
@@ -36,6 +36,8 @@ from ..world import ShipReport, World
 from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
+
+FORGOTTEN: Final = 10  # periods of silence after which an encounter is forgotten
 
 
 class ShipAgent:
@@ -78,6 +80,7 @@ class ShipAgent:
         self._last_offset = 0.0
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
+        self._last_heard: dict[ShipId, int] = {}  # period of the last report
         self._period: Period | None = None
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
@@ -164,7 +167,7 @@ class ShipAgent:
 
     def _judge(self, period: Period) -> list[Message]:
         ruleset = self._rulesets[period.own.ruleset]
-        situation = self._situation(period)
+        period.situation = situation = self._situation(period)
         period.judged = assign(ruleset, situation, self.ship.id)
         self._kept_starboard = situation.on_starboard_side(ruleset.vocabulary)
         period.phase = Phase.SETTLING
@@ -178,7 +181,7 @@ class ShipAgent:
     def _settle(self, now: float, period: Period) -> list[Message]:
         masses = {ship: report.ship.mass for ship, report in period.reports.items()}
         masses[self.ship.id] = self.ship.mass
-        situation = self._situation(period)
+        situation = period.situation or self._situation(period)
         settlements = []
         for mine in period.judged:
             theirs = self._heard_on_me(period, mine)
@@ -189,6 +192,7 @@ class ShipAgent:
                 self._encounters[pair] = encounter
             if (mine.kind, theirs.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(mine, theirs, masses))
+        self._forget(period)
         period.settlements = tuple(settlements)
         edges = [
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
@@ -202,6 +206,13 @@ class ShipAgent:
         period.progressed = now
         period.negotiation = negotiate.begin(self._negotiating(period))
         return [Gossip(self.ship.id, period.index, {self.ship.id: waiting}, frozenset())]
+
+    def _forget(self, period: Period) -> None:
+        """Forget encounters with ships that have long been silent or out of reach: memory is bounded."""
+        self._last_heard |= dict.fromkeys(period.reports, period.index)
+        for other in [o for o, last in self._last_heard.items() if period.index - last > FORGOTTEN]:
+            del self._last_heard[other]
+            self._encounters.pop((min(self.ship.id, other), max(self.ship.id, other)), None)
 
     def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
         """The other ship's verdict on this one; one that did not come decides nothing."""
@@ -252,8 +263,9 @@ class ShipAgent:
     def _negotiating(self, period: Period) -> negotiate.Situation:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
-        ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
-        limits = np.array([self._line.offset_limits(float(x), self.ship.hull.beam) for x in ahead])
+        steps = np.arange(settings.horizon, dtype=np.float64)
+        ahead = initial.x + self._speed * settings.kinematics.time_step * steps
+        limits = self._line.offset_limits_at(ahead, self.ship.hull.beam)
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,
@@ -270,9 +282,7 @@ class ShipAgent:
         """Control settings for the encounters at hand: crossing prevails over head-on (Sec. 5.4)."""
         profile = self._settings.profile
         if profile is None:
-            masses = {self.ship.id: self.ship.mass} | {s: r.ship.mass for s, r in period.reports.items()}
-            graph = PriorityGraph(masses=masses, settlements=period.settlements)
-            met = {graph.bearing(self.ship.id, other).geometry for other in period.reports}
+            met = {bearing(each, self.ship.id).geometry for each in period.settlements}
             profile = Geometry.CROSSING if Geometry.CROSSING in met else Geometry.HEAD_ON
         return self._settings.profiles[profile]
 

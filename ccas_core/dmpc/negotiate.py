@@ -6,7 +6,7 @@ All are values: a `Negotiation` is carried from one iteration to the next by `ad
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from .local_problem import LocalPlan, LocalProblem, Solution
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
-from .risk import threat
+from .risk import COLUMNS, threats
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
 
@@ -50,6 +50,7 @@ class Situation:
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
+    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # rows of `risk.threats`, so far
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -93,8 +94,8 @@ def begin(situation: Situation) -> Negotiation:
     """
     controls = situation.last_controls
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
-        controls = _guess(Start.NOMINAL, situation)
-    plan = rollout(_problem(situation, ()), controls)
+        controls = guess(Start.NOMINAL, situation.offset_limits)
+    plan = rollout(_problem(situation, _threats(situation, ())), controls)
     return Negotiation(
         situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
     )
@@ -118,8 +119,7 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     situation = negotiation.situation
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
-    problem = _problem(situation, _threats(situation, neighbours))
-    return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
+    return _problem(situation, _threats(situation, neighbours), half, negotiation.iterate.broadcast)
 
 
 def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
@@ -130,7 +130,7 @@ def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
     starts = situation.settings.starts
     if situation.last_controls is None:
         starts = tuple(start for start in starts if start is not Start.LAST) or (Start.NOMINAL,)
-    return tuple(_guess(start, situation) for start in starts)
+    return tuple(guess(start, situation.offset_limits, situation.last_controls) for start in starts)
 
 
 def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution) -> Negotiation:
@@ -159,55 +159,67 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     A plan is clear if it stays outside the risk ellipse (one e-th of the height) of every neighbour.
     """
     settings = situation.settings
-    threats = _threats(situation, neighbours)
-    problem = _problem(situation, threats)
+    rows = _threats(situation, neighbours)
+    problem = _problem(situation, rows)
     if situation.last_controls is not None:
         plan = rollout(problem, situation.last_controls)
-        if _clear(plan, threats):
+        if _clear(plan, rows):
             return plan, "the last plan goes on"
     slow = np.column_stack([np.full(settings.horizon, situation.last_offset), np.zeros(settings.horizon)])
     return rollout(problem, slow), "the ship slows down"
 
 
-def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> list[FloatArray]:
-    """Neighbours as the local problem sees them, in the own frame."""
-    risk, weights = situation.settings.risk, situation.settings.weights
-    return [
-        threat(situation.hull, each.hull, situation.frame.trajectory_to_path(each.trajectory), risk, weights)
-        for each in neighbours
-    ]
+def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> FloatArray:
+    """Neighbours as the local problem sees them, in the own frame, (n, N, 6)."""
+    settings = situation.settings
+    if not neighbours:
+        return np.empty((0, settings.horizon, COLUMNS))
+    new = [each for each in neighbours if each.trajectory not in situation.read]
+    if new:
+        told = NedTrajectory(np.vstack([each.trajectory.poses for each in new]))
+        poses = situation.frame.trajectory_to_path(told).poses.reshape(len(new), settings.horizon + 1, 3)
+        hulls = [each.hull for each in new]
+        rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights)
+        situation.read.update(zip((each.trajectory for each in new), rows, strict=True))
+    return np.array([situation.read[each.trajectory] for each in neighbours])
 
 
-def _clear(plan: LocalPlan, threats: Sequence[FloatArray]) -> bool:
+def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     poses = plan.trajectory.poses[1:]
-    for rows in threats:
+    for rows in dangers:
         dx, dy = poses[:, 0] - rows[:, 0], poses[:, 1] - rows[:, 1]
-        if np.any(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 < 1.0):
-            return False
+        if not np.all(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 >= 1.0):
+            return False  # near, or not a number
     return True
 
 
-def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProblem:
-    horizon = situation.settings.horizon
+def _problem(
+    situation: Situation,
+    dangers: FloatArray,
+    multiplier: FloatArray | None = None,
+    broadcast: FloatArray | None = None,
+) -> LocalProblem:
+    zero = np.zeros((situation.settings.horizon + 1, 3))
     return LocalProblem(
         initial=situation.initial,
         last_offset=situation.last_offset,
         speed=situation.speed,
         settings=situation.settings,
         offset_limits=situation.offset_limits,
-        threats=np.array(threats).reshape(len(threats), horizon, 6),
-        multiplier=np.zeros((horizon + 1, 3)),
-        broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),
+        threats=dangers,
+        multiplier=zero if multiplier is None else multiplier,
+        broadcast=PathTrajectory(zero if broadcast is None else broadcast),
     )
 
 
-def _guess(start: Start, situation: Situation) -> FloatArray:
-    if start is Start.LAST and situation.last_controls is not None:
-        return situation.last_controls
-    horizon = situation.settings.horizon
+def guess(start: Start, offset_limits: FloatArray, last_controls: FloatArray | None = None) -> FloatArray:
+    """Controls (N, 2) of a start; without a last plan, `last` is nominal."""
+    if start is Start.LAST and last_controls is not None:
+        return last_controls
+    horizon = len(offset_limits)
     offset, factor = np.zeros(horizon), np.ones(horizon)
     if start is Start.STARBOARD:
-        offset = situation.offset_limits[:, 1] / 2.0
+        offset = offset_limits[:, 1] / 2.0
     elif start is Start.SLOW:
         factor = np.full(horizon, SLOW_FACTOR)
     return np.column_stack([offset, factor])

@@ -118,7 +118,7 @@ HEAD_ON: Final = Settings(
     risk=Risk(kappa_across=0.9),
     starts=(Start.LAST, Start.STARBOARD),
 )
-CROSSING: Final = Settings(weights=Weights(K_y=5.0))
+CROSSING: Final = Settings(weights=Weights(K_y=5.0), starts=(Start.LAST, Start.NOMINAL))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
 from ..frames import FloatArray, PathTrajectory
 from ..ships import Hull
-from .parameters import Risk, RiskShape, Weights
+from .parameters import Risk, RiskShape, Settings, Weights
 from .symbolic import Scalar
 
 COLUMNS = 6  # of a threat: x, y [m], q_xx, q_xy, q_yy [1/m^2], gain
@@ -40,23 +43,63 @@ def threat(own: Hull, other: Hull, trajectory: PathTrajectory, risk: Risk, weigh
     along the other's course, and its semi-axes are kappa times the half-extents of both hulls there:
     the text ties alpha to the other's "size, shape, and current speed".
     """
-    poses = trajectory.poses[1:]
-    steps = np.arange(1, len(poses) + 1)
-    gain = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
+    rows: FloatArray = threats(own, [other], trajectory.poses[None], risk, weights)[0]
+    return rows
+
+
+def threats(own: Hull, others: Sequence[Hull], poses: FloatArray, risk: Risk, weights: Weights) -> FloatArray:
+    """Several ships at once, as `threat`: their `poses` are (n, N + 1, 3), the rows (n, N, 6)."""
+    rows = np.empty((len(others), poses.shape[1] - 1, COLUMNS))
+    if not len(others):
+        return rows
+    rows[:, :, :2] = poses[:, 1:, :2]
     if risk.shape is RiskShape.AXIS_BOUND:
-        ones = np.ones(len(poses))
-        form: tuple[FloatArray, ...] = (ones / risk.alpha_x, 0.0 * ones, ones / risk.alpha_y)
+        rows[:, :, 2:5] = 1.0 / risk.alpha_x, 0.0, 1.0 / risk.alpha_y
     else:
-        form = _course_aligned(own, other, poses[:, 2], risk)
-    return np.column_stack([poses[:, 0], poses[:, 1], *form, gain])
+        sizes = [(each.safety_length / 2.0, each.safety_beam / 2.0) for each in others]
+        for column, form in enumerate(_course_aligned(own, np.array(sizes), poses[:, 1:, 2], risk)):
+            rows[:, :, 2 + column] = form
+    steps = np.arange(1, rows.shape[1] + 1)
+    rows[:, :, 5] = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
+    return rows
 
 
-def _course_aligned(own: Hull, other: Hull, course: FloatArray, risk: Risk) -> tuple[FloatArray, ...]:
-    """Quadratic form of an ellipse along the other's course; the own hull lies along the own line."""
+def cut_off(own: Hull, other: Hull, settings: Settings, tolerance: float) -> float:
+    """Distance [m] beyond which the risk of another ship, summed over a whole horizon, is below `tolerance`.
+
+    No ellipse has a semi-axis longer than a, so that a step at a distance of d or more has a risk of
+    at most K_ca exp(-(d/a)^2), and N steps N times that; d is where this is the tolerance.
+
+    Examples
+    --------
+    >>> hull = Hull(length=103.0, beam=11.45)
+    >>> round(cut_off(hull, hull, Settings(), 1e-6))
+    413
+    """
+    risk = settings.risk
+    if risk.shape is RiskShape.AXIS_BOUND:
+        longest = math.sqrt(max(risk.alpha_x, risk.alpha_y))
+    else:
+        diagonal = math.hypot(own.length, own.beam) / 2.0
+        longest = max(
+            risk.kappa_along * (other.safety_length / 2.0 + diagonal),
+            risk.kappa_across * (other.safety_beam / 2.0 + diagonal),
+        )
+    height = settings.weights.K_ca * settings.horizon
+    return longest * math.sqrt(max(0.0, math.log(height / tolerance))) if height > 0.0 else 0.0
+
+
+def _course_aligned(
+    own: Hull, sizes: FloatArray, course: FloatArray, risk: Risk
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Quadratic forms of ellipses along the others' courses (n, N); the own hull lies along the own line.
+
+    `sizes` are half the length and beam of the others' safety areas, (n, 2) [m].
+    """
     cos, sin = np.cos(course), np.sin(course)
     half_length, half_beam = own.length / 2.0, own.beam / 2.0
-    along = other.safety_length / 2.0 + np.hypot(half_length * cos, half_beam * sin)
-    across = other.safety_beam / 2.0 + np.hypot(half_length * sin, half_beam * cos)
+    along = sizes[:, :1] + np.hypot(half_length * cos, half_beam * sin)
+    across = sizes[:, 1:] + np.hypot(half_length * sin, half_beam * cos)
     a = 1.0 / (risk.kappa_along * along) ** 2
     b = 1.0 / (risk.kappa_across * across) ** 2
     return a * cos**2 + b * sin**2, (a - b) * sin * cos, a * sin**2 + b * cos**2

@@ -22,8 +22,8 @@ MOST: int = 12  # examples that are told of one property
 def border(one: WrittenRuleset, other: WrittenRuleset, budget: Budget) -> Finding:
     """Own ship under one ruleset, the other under another: never do both stand on.
 
-    Ships find out when they exchange their verdicts, and fall back to the safe mutual rule; where this is proved,
-    they are safe before that, too.  Where both give way is told as a note.
+    Ships find out when they exchange their verdicts, and fall back to the safe mutual rule; where this is
+    proved, they are safe before that, too.  Where both give way is told as a note.
     """
     tally = Tally()
     for pair in ((one, other), (other, one)) if one is not other else ((one, other),):
@@ -35,11 +35,11 @@ def border(one: WrittenRuleset, other: WrittenRuleset, budget: Budget) -> Findin
             title = f"{names}: both stand on, by '{a.rule}' ({a.article}) and '{b.rule}' ({b.article})"
             rules = (pair[0].text.rule(a.rule), pair[1].text.rule(b.rule))
             tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="border"))
-        found, _, ships = questions.settled(
+        found, _, gentle = questions.settled(
             [questions.own.says(Kind.GIVE_WAY), questions.other.says(Kind.GIVE_WAY)], _both(Kind.GIVE_WAY)
         )
-        if found is Found.POSSIBLE and ships is not None:
-            a, b = ships.verdicts
+        if found is Found.POSSIBLE and gentle is not None:
+            a, b = gentle.verdicts
             tally.notes.append(f"{names}: both may give way, as by '{a.rule}' and '{b.rule}'")
     return tally.finding("border")
 
@@ -68,7 +68,9 @@ def _examples(
                 tally.methods.add(method)
             return
         if ships is None:
-            tally.open.append(f"{what}: {method}" + (f"; besides {len(seen)} that were found" if seen else ""))
+            tally.open.append(
+                f"{what}: {method}" + (f"; besides {len(seen)} that were found" if seen else "")
+            )
             return
         rules = ships.verdicts[0].rule, ships.verdicts[1].rule
         seen.add(rules)
@@ -85,8 +87,8 @@ def _decided(ladder: Ladder, rule: str) -> Term:
 def against(new: WrittenRuleset, old: WrittenRuleset, budget: Budget) -> Finding:
     """Where two versions say different things of the same ships, as one of them sees it.
 
-    Refuted means: they differ, and here are ships, one pair for each pair of rules; proved means that no ship will
-    notice.
+    Refuted means: they differ, and here are ships, one pair for each pair of rules; proved means that no
+    ship will notice.
     """
     tally = Tally()
     questions = Questions((new, old), budget)
@@ -96,12 +98,9 @@ def against(new: WrittenRuleset, old: WrittenRuleset, budget: Budget) -> Finding
     for ships in _examples_by_rule(tally, questions, before, terms, seen):
         a, b = ships.verdicts
         was = OPPOSITE.get(b.kind, b.kind)
-        title = (
-            f"{was} by '{b.rule or 'no rule'}' ({b.article}) is now {a.kind} by '{a.rule or 'no rule'}' ({a.article})"
-        )
-        rules = tuple(
-            ruleset.text.rule(view.rule) for ruleset, view in ((new, a), (old, b)) if view.rule
-        )
+        before_, now = (f"'{view.rule or 'no rule'}' ({view.article})" for view in (b, a))
+        title = f"{was} by {before_} is now {a.kind} by {now}"
+        rules = tuple(ruleset.text.rule(view.rule) for ruleset, view in ((new, a), (old, b)) if view.rule)
         tally.faults.append(Fault(title=title, rules=rules, ships=ships, kind="difference"))
     return tally.finding("against")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -25,6 +26,21 @@ class Fault:
     rules: tuple[Rule, ...] = ()
     ships: Ships | None = None
     kind: str = ""  # contradiction, gap, cycle, instability, border, dead rule, …
+    waiver: Waiver | None = None  # that covers it
+    expired: bool = False  # its day has passed
+
+    @property
+    def waived(self) -> bool:
+        """Whether a waiver that has not expired covers it."""
+        return self.waiver is not None and not self.expired
+
+    @property
+    def articles(self) -> tuple[str, ...]:
+        """Articles that it is about: those of its rules, else those by which the ships judge."""
+        cited = [str(rule.citation) for rule in self.rules]
+        if not cited and self.ships is not None:
+            cited = [view.article for view in self.ships.verdicts if view.article]
+        return tuple(dict.fromkeys(cited))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,10 +54,8 @@ class Finding:
     faults: tuple[Fault, ...] = ()
     open: tuple[str, ...] = ()  # what could not be decided
     notes: tuple[str, ...] = ()
-    waiver: Waiver | None = None
-    expired: bool = False  # there is a waiver, and its day has passed
 
-    @property
+    @builtins.property  # for there is a field of that name
     def waived(self) -> bool:
-        """Whether a waiver that has not expired covers what is refuted."""
-        return self.waiver is not None and not self.expired
+        """Whether waivers that have not expired cover all that is wrong."""
+        return bool(self.faults) and all(fault.waived for fault in self.faults)

@@ -1,7 +1,7 @@
 """The ladder of a ruleset as terms: which place of it decides, from the view of one of two ships.
 
-A view goes down the rules; each may apply as written (`own` has the part of the rule's own ship) or swapped.  A
-place is one of these two uses of one rule.
+A view goes down the rules; each may apply as written (`own` has the part of the rule's own ship) or
+swapped.  A place is one of these two uses of one rule.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from ..tapd.rules import Mirror, Policy
 from ..verdict import Kind
 from .duties import NOTHING, Duty, Place, duty, turned
 from .symbols import Term, View
+
 
 @dataclass(eq=False)
 class Ladder:

@@ -1,7 +1,7 @@
 """Properties of a ruleset that concern two ships.
 
-Each is put as its opposite: can there be two ships for which it fails?  If the solver says no, it is proved; if
-ships are found, it is refuted; otherwise it is undecided.
+Each is put as its opposite: can there be two ships for which it fails?  If the solver says no, it is
+proved; if ships are found, it is refuted; otherwise it is undecided.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Tally:
         fault: Callable[[], Fault],
         probe: WrittenRuleset | None = None,
     ) -> Found:
-        """Ask one question; ships that come of it make a fault.  A probe judges them in place of the ruleset."""
+        """Ask one question; ships that come of it make a fault.  A probe judges in place of the ruleset."""
         self.questions += 1
         found, method, ships = questions.settled(terms, goal, (probe, probe) if probe else None)
         if found is Found.IMPOSSIBLE:
@@ -95,31 +95,44 @@ def consistent(questions: Questions) -> Finding:
             tally.ask(
                 questions,
                 [own.decides(place)],
-                lambda one, two, rule=rule: one.rule == rule.id or two.rule == rule.id,  # type: ignore[misc]
+                lambda one, two, rule=rule: rule.id in (one.rule, two.rule),  # type: ignore[misc]
                 lambda rule=rule: Fault(  # type: ignore[misc]
-                    title=f"the regulation contradicts itself: {rule.outcome.diagnosis or 'conflict'}, {rule.citation}",
+                    title=f"the regulation contradicts itself: {rule.outcome.diagnosis or 'conflict'}, "
+                    f"{rule.citation}",
                     rules=(rule,),
                     kind="contradiction",
                 ),
             )
-        elif mirrored and turned(duty(rule.outcome, swapped=False)) != duty(rule.outcome, swapped=False):
-            _both_ways(tally, questions, place)
+        elif mirrored:
+            for other_way in own.places:
+                if other_way.swapped and other_way.rule.id == rule.id and not _fit(rule, other_way.rule):
+                    _both_ways(tally, questions, place, other_way)
     if not mirrored:
         _unmirrored(tally, questions, own, other)
     return tally.finding("consistent")
 
 
-def _both_ways(tally: Tally, questions: Questions, place: Place) -> None:
+def _fit(one: Rule, other: Rule) -> bool:
+    """Whether what both ships have by rules, each its own ship's part, goes together."""
+    return turned(duty(other.outcome, swapped=False)) == duty(one.outcome, swapped=False)
+
+
+def _both_ways(tally: Tally, questions: Questions, place: Place, other_way: Place) -> None:
     """Whether a rule can apply both ways round: then both ships take its own part."""
     own = questions.own
     rule = place.rule
-    apply = [own.applies(each) for each in own.places if each.rule is rule]
+    apply = [own.applies(place), own.applies(other_way)]
     before = own.decides(place)
 
     def fault() -> Fault:
         kinds = {Kind.GIVE_WAY: "both ships give way", Kind.STAND_ON: "both ships stand on"}
         what = kinds.get(rule.outcome.kind, f"both ships begin ({rule.outcome.kind})")
         return Fault(title=f"{what} by rule '{rule.id}'", rules=(rule,), kind="contradiction")
+
+    if (quick := questions.never(apply)) is not None:  # whatever stands before it in the ladder
+        tally.questions += 1
+        tally.methods.add(quick)
+        return
 
     def shown(one: Verdict, two: Verdict) -> bool:
         return one.rule == rule.id and (bool(agree(one, two)) or one.kind is Kind.CONFLICT)
@@ -158,7 +171,7 @@ def complete(questions: Questions) -> Finding:
             tally.ask(
                 questions,
                 [risk, own.decides(place)],
-                lambda one, two, rule=rule: one.rule == rule.id,  # type: ignore[misc]
+                lambda one, _two, rule=rule: one.rule == rule.id,  # type: ignore[misc]
                 lambda rule=rule: Fault(  # type: ignore[misc]
                     title=f"nothing is decided: {rule.outcome.kind} by rule '{rule.id}', {rule.citation}",
                     rules=(rule,),
@@ -168,7 +181,7 @@ def complete(questions: Questions) -> Finding:
     tally.ask(
         questions,
         [risk, own.silent],
-        lambda one, two: one.kind is Kind.NONE and not one.rule and one.reason != "no_risk",
+        lambda one, _two: one.kind is Kind.NONE and not one.rule and one.reason != "no_risk",
         lambda: Fault(title="no rule applies to ships at risk of collision", kind="gap"),
     )
     tally.ask(
@@ -194,7 +207,7 @@ def exclusive(questions: Questions) -> Finding | None:
             tally.ask(
                 questions,
                 [own.applies(one), own.applies(two)],
-                lambda a, b: a.kind is Kind.CONFLICT,
+                lambda one, _two: one.kind is Kind.CONFLICT,
                 lambda one=one, two=two: Fault(  # type: ignore[misc]
                     title=f"rules '{one.rule.id}' and '{two.rule.id}' apply together",
                     rules=(one.rule, two.rule),
@@ -210,7 +223,8 @@ def no_dead_rule(questions: Questions) -> Finding:
     own = questions.own
     ruleset = questions.rulesets[0]
     alive = _tested(ruleset)
-    tally.notes.append(f"{len(alive)} of {len(ruleset.text.rules)} rules are reached by tests")
+    tested = sum(rule.id in alive for rule in ruleset.text.rules)
+    tally.notes.append(f"{tested} of {len(ruleset.text.rules)} rules are reached by tests")
     for place in own.places:
         rule = place.rule
         if place.swapped or rule.id in alive or rule.python:
@@ -336,10 +350,8 @@ def mirror_sound(questions: Questions) -> Finding:
 def recognising(ruleset: WrittenRuleset) -> WrittenRuleset:
     """The same ruleset without its rules, but for one that tells whether there is a risk of collision."""
     text = ruleset.text
-    first = text.rules[0]
-    risk = replace(
-        first, condition=Test("risk_of_collision", value=True), outcome=Said(kind=Kind.MUTUAL), python=""
-    )
+    said = Said(kind=Kind.MUTUAL)
+    risk = replace(text.rules[0], condition=Test("risk_of_collision", value=True), outcome=said, python="")
     return ruleset.with_text(replace(text, rules=(risk,), policy=Policy.FIRST, mirror=Mirror.NONE))
 
 
@@ -365,7 +377,7 @@ def tie_break_total(questions: Questions) -> Finding:
     if not any(order.criterion == "id" for order in orders):
         names = ", ".join(order.criterion for order in orders) or "nothing"
         tally.questions += 1
-        found, method, ships = questions.settled([z3.BoolVal(True)], lambda one, two: True, enough=1)  # noqa: ARG005, FBT003
+        found, method, ships = questions.settled([z3.BoolVal(True)], lambda one, two: True)  # noqa: ARG005, FBT003
         del found, method
         title = f"two ships that are alike in {names}: neither goes first"
         tally.faults.append(Fault(title=title, ships=ships, kind="tie"))
@@ -378,7 +390,9 @@ def domain_not_empty(questions: Questions) -> Finding:
     risk = questions.own.view.derived("risk_of_collision", value=True)
     tally.questions += 1
     found, method, ships = questions.settled(
-        [risk, _met(questions)], lambda one, two: one.geometry != "none" and one.reason != "no_risk", enough=1
+        [risk, _met(questions)],
+        lambda one, _two: one.geometry != "none" and one.reason != "no_risk",
+        enough=1,
     )
     if found is Found.IMPOSSIBLE:
         tally.faults.append(Fault(title="no two ships of the domain are ever at risk", kind="empty domain"))

@@ -1,8 +1,8 @@
 """Whether roles stay while nobody manoeuvres: from the first verdict on, until past and clear.
 
-Ships remember how their encounter began (`tapd.encounters`): risk, geometry, who overtakes, who has the other to
-starboard.  A role can then change only by a condition of a rule that looks at motion itself.  What would happen
-without memory is told as a note.
+Ships remember how their encounter began (`tapd.encounters`): risk, geometry, who overtakes, who has the
+other to starboard.  A role can then change only by a condition of a rule that looks at motion itself.  What
+would happen without memory is told as a note.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _ROLES = {Kind.GIVE_WAY, Kind.STAND_ON}
 
 
 def role_stable(questions: Questions) -> Finding:
-    """No ship that had to give way has to stand on later, or the other way round, though nobody manoeuvres."""
+    """No ship that had to give way has to stand on later, or the other way round, by itself."""
     tally = Tally()
     ruleset = questions.rulesets[0]
     constants = constants_of(ruleset.text, free=questions.free)
@@ -73,10 +73,8 @@ def _without_memory(ruleset: WrittenRuleset) -> list[str]:
         return []
     ships, seconds, after = found
     before = ships.verdicts[0]
-    return [
-        f"thanks to memory: without it {before.kind} by '{before.rule}' ({before.article}) would become {after.kind} by "
-        f"'{after.rule}' ({after.article}) after {seconds:.0f} s"
-    ]
+    was, now = (f"{view.kind} by '{view.rule}' ({view.article})" for view in (before, after))
+    return [f"thanks to memory: without it {was} would become {now} after {seconds:.0f} s"]
 
 
 def flipping(

@@ -1,16 +1,16 @@
 """Ships that show a fault: found by trying encounters on round numbers, judged by the code that runs at sea.
 
-Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how ships
-meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those that show
-the fault the one is kept that shows it with the widest margin: how far the other ship can be moved in
-any of eight directions before the fault is gone.
+Facts come from the solver's suggestion; positions, courses and speeds from a seeded sampler that knows how
+ships meet: courses in whole degrees, speeds in half metres a second, positions in whole metres.  Of those
+that show the fault the one is kept that shows it with the widest margin: how far the other ship can be
+moved in any of eight directions before the fault is gone.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, Final, TypeAlias
@@ -26,6 +26,7 @@ from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
 from ..verdict import Verdict
+from .plain import USUAL_LENGTH, beam_of, plainer
 from .solver import Answer
 
 Goal: TypeAlias = Callable[[Verdict, Verdict], bool]  # of the views of A and of B
@@ -34,7 +35,6 @@ A, B = ShipId("A"), ShipId("B")
 TRIES: Final = 1500
 ENOUGH: Final = 12  # hits among which the one with the widest margin is taken
 _REACHES: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0)  # [m]
-_DEFAULT_LENGTH: Final = 80.0  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +42,9 @@ class Ships:
     """An encounter that shows something, what both ships say of it, and its margin [m]."""
 
     case: Case
-    verdicts: tuple[Verdict, Verdict]
+    verdicts: tuple[
+        Verdict, ...
+    ]  # views of A and of B; of a ring, of each ship on the one that it gives way to
     margin: float
 
 
@@ -53,6 +55,11 @@ class Facts:
     ships: Mapping[str, Mapping[str, Any]]
     waterway: Mapping[str, Any]
     pair: Mapping[str, Any]
+    times: Mapping[ShipId, float] = field(default_factory=dict)  # to a junction, if that is on a chart [s]
+
+    def at_a_junction(self) -> Facts:
+        """The same, the times to the junction stated, as a chart would show them."""
+        return replace(self, pair={**self.pair, "time_to_intersection": dict(self.times)})
 
 
 def suggested(
@@ -62,7 +69,7 @@ def suggested(
 
     `atoms` are the polynomials whose signs are asked for: numbers are rounded as far as these allow.
     """
-    by_ship: dict[str, dict[str, Any]] = {ship: {"length": _DEFAULT_LENGTH, "beam": 10.0} for ship in ships}
+    by_ship: dict[str, dict[str, Any]] = {ship: {"length": USUAL_LENGTH} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
     regimes: list[str] = []
@@ -78,13 +85,20 @@ def suggested(
             by_ship[owner][fact] = word or value
         elif "-" in owner:
             pair[fact] = value
-    numbers = _written_numbers(text, answer.numbers, atoms)
-    for name, number in numbers.items():
+    for name, value in _written_numbers(text, answer.numbers, atoms).items():
         owner, _, fact = name.partition(".")
-        (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = number
+        if not (fact in ("beam", "weight") and value <= 0.0):  # no ship is so; it has a usual one
+            (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = value
+    for stated in by_ship.values():
+        stated.setdefault("beam", beam_of(stated["length"]))
+    times = {
+        ShipId(ship): float(answer.numbers[f"{ship}.time_to_intersection"])
+        for ship in ships
+        if f"{ship}.time_to_intersection" in answer.numbers
+    }
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
-    return Facts(by_ship, waterway, pair)
+    return Facts(by_ship, waterway, pair, times)
 
 
 def _written_numbers(
@@ -138,7 +152,7 @@ def meetings(
     count: int,
     wanted: Sequence[float] = (),
 ) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Two ships that come near one another: head-on, overtaking, crossing, exactly parallel, or just anyhow.
+    """Two ships that come near one another: head-on, overtaking, crossing, parallel, or just anyhow.
 
     `wanted` are speeds of which one is often taken.
     """
@@ -204,8 +218,7 @@ def find(
 ) -> Ships | None:
     """Find ships with these facts that reach a goal; None if none of the tries does.
 
-    The search ends with `enough` of them; with 1, when it is enough that there are any, the margin is left at 0.
-    `wanted` are speeds worth trying.
+    The search ends with `enough` of them; `wanted` are speeds worth trying.
     """
     domain = rulesets[0].text.domain
     speeds = (float(domain.speed[0]), float(domain.speed[1]))
@@ -216,36 +229,41 @@ def find(
 def widest(
     rulesets: tuple[WrittenRuleset, WrittenRuleset], cases: Iterable[Case], goal: Goal, enough: int = ENOUGH
 ) -> Ships | None:
-    """Of the first cases that reach a goal the one with the widest margin; None if none does."""
+    """Of the first cases that reach a goal the one with the widest margin; None if none does.
+
+    Where one is enough, it is taken as it is: that there are such ships is all that is asked.
+    """
     hits: list[Ships] = []
     for case in cases:
         if (verdicts := _reaches(rulesets, case, goal)) is not None:
             hits.append(Ships(case=case, verdicts=verdicts, margin=0.0))
             if len(hits) == enough:
                 break
-    if len(hits) <= 1 and enough == 1:
+    if not hits or enough == 1:
         return hits[0] if hits else None
-    measured = (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits)
-    return max(measured, key=lambda each: each.margin, default=None)
+    best = max(
+        (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin
+    )
+    return _plain(rulesets, best, goal)
 
 
 def telling_speeds(atoms: Iterable[Polynomial], domain: Domain) -> tuple[float, ...]:
-    """Speeds between, and at, those that conditions compare with: none, where speeds are compared with none."""
+    """Speeds at and between those that conditions compare with; none, where speeds are compared with none."""
     limits = set()
     for atom in atoms:
         terms = dict(atom.terms)
         square = terms.pop(("A.vx", "A.vx"), None)
         if square is not None and terms.keys() == {()} and terms[()] * square < 0:
             limits.add(math.sqrt(-terms[()] / square))
-    if not limits:
-        return ()
     inside = sorted(each for each in limits if domain.speed[0] <= each <= domain.speed[1])
+    if not inside:
+        return ()
     ends = [float(domain.speed[0]), *inside, float(domain.speed[1])]
     return tuple(sorted({*inside, *((low + high) / 2.0 for low, high in pairwise(ends))}))
 
 
 def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Places of a model of two ships, A at the origin: rounded, and as they are; none outside of the domain."""
+    """Places of a model of two ships, A at the origin: rounded, and as they are; none outside the domain."""
     names = ("A.vx", "w.x", "w.y", "B.x", "B.y")
     if not all(name in answer.numbers for name in names[1:]):
         return
@@ -259,15 +277,37 @@ def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, fl
             yield {A: (0.0, 0.0, 0.0, speeds[0]), B: (pose[0], pose[1], pose[2], speeds[1])}
 
 
+def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships:
+    """The same ships, with no more facts than it takes to show the same by the same rules."""
+    rules = [view.rule for view in ships.verdicts]
+
+    def shows(case: Case) -> bool:
+        verdicts = _reaches(rulesets, case, goal)
+        return verdicts is not None and [view.rule for view in verdicts] == rules
+
+    case = plainer(ships.case, shows)
+    return Ships(case=case, verdicts=judged(rulesets, case), margin=margin(rulesets, case, goal))
+
+
 def _reaches(
     rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal
 ) -> tuple[Verdict, Verdict] | None:
     verdicts = judged(rulesets, case)
-    return verdicts if goal(*verdicts) else None
+    return verdicts if goal(*verdicts) and _in_domain(rulesets, case) else None
+
+
+def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> bool:
+    """Whether what the rulesets assume of ships holds, as both see it."""
+    return all(
+        ruleset.assumptions(pair_facts(case, own, other, ruleset.vocabulary))
+        for ruleset in dict.fromkeys(rulesets)
+        if ruleset.text.domain.assume
+        for own, other in ((A, B), (B, A))
+    )
 
 
 def margin(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal) -> float:
-    """How far ship B can be moved in any of eight directions before the goal is missed [m]; 0 if not at all."""
+    """How far ship B can be moved in any of eight directions, and the goal is still reached [m]."""
     found = 0.0
     for reach in _REACHES:
         for direction in range(8):

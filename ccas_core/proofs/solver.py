@@ -1,8 +1,8 @@
 """Questions to the solver: can these conditions hold together?  In stages, the cheap one first.
 
-1. With a variable for each monomial: linear arithmetic, which decides.  What cannot hold here cannot hold at all.
-2. As it is, by `z3.SimpleSolver`: its incremental core is a thousand times faster on such questions than the
-   strategy that `z3.Solver` would choose.
+1. With a variable for each monomial: linear arithmetic, which decides.  What cannot hold here cannot hold
+at all. 2. As it is, by `z3.SimpleSolver`: its incremental core is a thousand times faster on such questions
+than the strategy that `z3.Solver` would choose.
 
 A model is only a suggestion: a fault is told when ships have been found that show it (`search`).
 """
@@ -22,6 +22,7 @@ from .symbols import Atom, Symbols, Term, atoms_in
 
 LINEAR_LIMIT: Final = 4.0  # for one question [s]
 NONLINEAR_LIMIT: Final = 2.0  # likewise
+_STOPPED_EARLY: Final = 0.9  # of its time: a solver that gives up before was stopped
 
 
 class Found(Enum):
@@ -76,7 +77,10 @@ def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget) -> Answe
         return OUT_OF_TIME
     atoms = atoms_in(symbols, terms)
     return _asked(
-        [*symbols.axioms(), *terms, *symbols.linear(atoms), *_squares(atoms)], budget, LINEAR_LIMIT, LINEAR
+        [*symbols.axioms(terms), *terms, *symbols.linear(atoms), *_squares(atoms)],
+        budget,
+        LINEAR_LIMIT,
+        LINEAR,
     )
 
 
@@ -85,19 +89,28 @@ def ask_nonlinear(symbols: Symbols, terms: Sequence[Term], budget: Budget, limit
     if budget.spent:
         return OUT_OF_TIME
     meaning = symbols.nonlinear(atoms_in(symbols, terms))
-    return _asked([*symbols.axioms(), *terms, *meaning], budget, limit, NONLINEAR)
+    return _asked([*symbols.axioms(terms), *terms, *meaning], budget, limit, NONLINEAR)
 
 
 def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str) -> Answer:
     solver = _solver(budget, limit)
     solver.add(*assertions)
+    began, most = time.perf_counter(), min(limit, budget.left)
     outcome = solver.check()
+    if outcome == z3.unknown and time.perf_counter() - began < _STOPPED_EARLY * most:
+        _raise_if_interrupted(solver)
     if outcome == z3.unsat:
         return Answer(found=Found.IMPOSSIBLE, method=method)
     if outcome == z3.sat:
         flags, numbers = _values(solver.model())
         return Answer(found=Found.POSSIBLE, method=method, flags=flags, numbers=numbers)
     return Answer(found=Found.UNDECIDED, method=f"{method} found no end")
+
+
+def _raise_if_interrupted(solver: z3.Solver) -> None:
+    """The solver takes Ctrl-C for itself, and calls it as it calls the end of its time."""
+    if solver.reason_unknown() in ("canceled", "interrupted from keyboard"):
+        raise KeyboardInterrupt
 
 
 def _solver(budget: Budget, limit: float) -> z3.Solver:
@@ -109,10 +122,12 @@ def _solver(budget: Budget, limit: float) -> z3.Solver:
 
 def _squares(atoms: Sequence[Atom]) -> list[Term]:
     """No square is negative: what the linear stage would not know."""
-    found = {}
+    found: dict[str, None] = {}
     for atom in atoms:
         for monomial, _ in atom.polynomial.terms:
-            if len(monomial) % 2 == 0 and all(a == b for a, b in zip(monomial[::2], monomial[1::2], strict=True)):
+            if len(monomial) % 2 == 0 and all(
+                a == b for a, b in zip(monomial[::2], monomial[1::2], strict=True)
+            ):
                 found["*".join(monomial)] = None
     return [z3.Real(name) >= 0 for name in found if name]
 

@@ -1,14 +1,15 @@
 """Formulas as terms of the solver, for any two ships of a group.
 
-A numeric condition is the sign of a polynomial.  It enters as two proxies, `positive` and `negative`, shared by all
-conditions that ask for the sign of the same polynomial, whichever ship asks.  What the proxies mean is added when a
-question is asked, in one of two ways: with a variable for each monomial, so that the solver has linear arithmetic
-only; or as it is.
+A numeric condition is the sign of a polynomial.  It enters as two proxies, `positive` and `negative`,
+shared by all conditions that ask for the sign of the same polynomial, whichever ship asks.  What the
+proxies mean is added when a question is asked, in one of two ways: with a variable for each monomial, so
+that the solver has linear arithmetic only; or as it is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -58,10 +59,16 @@ class Symbols:
     """
 
     atoms: dict[Polynomial, Atom] = field(default_factory=dict)
-    flags: dict[str, Term] = field(default_factory=dict)  # "A.ferry", "A.propulsion=sail", "waterway.regime=x"
+    flags: dict[str, Term] = field(
+        default_factory=dict
+    )  # "A.ferry", "A.propulsion=sail", "waterway.regime=x"
     choices: dict[str, tuple[str, ...]] = field(default_factory=dict)  # facts with words, and their words
-    known: dict[str, Term] = field(default_factory=dict)  # facts of which a condition asks whether they are known
+    known: dict[str, Term] = field(
+        default_factory=dict
+    )  # facts of which a condition asks whether they are known
     fixed: dict[str, Polynomial] = field(default_factory=dict)  # values put in the place of variables
+    _names: dict[int, tuple[Term, frozenset[str]]] = field(default_factory=dict)  # of terms, kept with them
+    _linear: dict[Polynomial, tuple[Term, Term]] = field(default_factory=dict)
 
     def flag(self, name: str) -> Term:
         """A fact that is true or false."""
@@ -100,21 +107,52 @@ class Symbols:
         (only,) = signs
         return terms[only]
 
-    def axioms(self) -> list[Term]:
-        """What holds of every fact: one value each, where it is known; no polynomial has two signs."""
-        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms.values()]
+    def axioms(self, terms: Iterable[Term]) -> list[Term]:
+        """What holds of the facts in some terms: one value each, where known; no polynomial has two signs."""
+        names = self.names(terms)
+        found = [z3.Not(z3.And(atom.positive, atom.negative)) for atom in self.atoms_of(names)]
         for fact, words in self.choices.items():
+            if not any(f"{fact}={word}" in names for word in words) and f"known({fact})" not in names:
+                continue
             values = [self.flag(f"{fact}={word}") for word in words]
             one = z3.PbEq([(value, 1) for value in values], 1)
             if fact in self.known:
-                found += [z3.Implies(self.known[fact], one), z3.Implies(z3.Not(self.known[fact]), z3.Not(z3.Or(values)))]
+                found += [
+                    z3.Implies(self.known[fact], one),
+                    z3.Implies(z3.Not(self.known[fact]), z3.Not(z3.Or(values))),
+                ]
             else:
                 found.append(one)
         return found
 
+    def names(self, terms: Iterable[Term]) -> set[str]:
+        """Names of all variables in some terms."""
+        return {name for term in terms for name in self._names_in(term)}
+
+    def _names_in(self, term: Term) -> frozenset[str]:
+        key = term.get_id()
+        if key not in self._names:
+            children = term.children()
+            found = {name for child in children for name in self._names_in(child)}
+            self._names[key] = term, frozenset(found or {term.decl().name()})
+        return self._names[key][1]
+
+    def atoms_of(self, names: AbstractSet[str]) -> list[Atom]:
+        """Atoms of which a proxy is among some names."""
+        return [
+            each
+            for each in self.atoms.values()
+            if each.positive.decl().name() in names or each.negative.decl().name() in names
+        ]
+
     def linear(self, atoms: Iterable[Atom]) -> list[Term]:
-        """What the proxies mean, with a variable for each monomial: true of all ships, and of more than that."""
-        return [part for atom in atoms for part in _meaning(atom, _linear_term(atom.polynomial))]
+        """What the proxies mean, with a variable for each monomial: true of all ships, and of more."""
+        found: list[Term] = []
+        for atom in atoms:
+            if atom.polynomial not in self._linear:
+                self._linear[atom.polynomial] = _meaning(atom, _linear_term(atom.polynomial))
+            found += self._linear[atom.polynomial]
+        return found
 
     def nonlinear(self, atoms: Iterable[Atom]) -> list[Term]:
         """What the proxies mean, as it is."""
@@ -169,7 +207,7 @@ class View:
             self._swapped = View(
                 self.symbols, self.text, self.other, self.own, self.constants, self.remembered, self.later
             )
-            self._swapped._swapped = self
+            self._swapped._swapped = self  # noqa: SLF001 - it is another of this class
         return self._swapped
 
     def term(self, formula: Formula) -> Term:
@@ -197,7 +235,9 @@ class View:
                 return self._before(formula)
             case Same():
                 words = self._words(formula.one)
-                return z3.Or([z3.And(self._test(formula.one, w), self._test(formula.other, w)) for w in words])
+                return z3.Or(
+                    [z3.And(self._test(formula.one, w), self._test(formula.other, w)) for w in words]
+                )
             case Known():
                 return self._known(formula.fact)
             case Test():
@@ -246,7 +286,9 @@ class View:
         """A polynomial of a pair, in the variables of the group."""
         if not self._variables:
             a, b = self.own, self.other
-            place = {name: variable(name) for s in (a, b) for name in (f"{s}.x", f"{s}.y", f"{s}.vx", f"{s}.vy")}
+            place = {
+                name: variable(name) for s in (a, b) for name in (f"{s}.x", f"{s}.y", f"{s}.vx", f"{s}.vy")
+            }
             self._variables.update(
                 {
                     "rx": place[f"{b}.x"] - place[f"{a}.x"],
@@ -301,7 +343,9 @@ class View:
             return self.symbols.flag(fact)
         words = self._words(name)
         named = {"own": self.own, "other": self.other}
-        return self.symbols.choice(fact, named.get(value, value), tuple(named.get(word, word) for word in words))
+        return self.symbols.choice(
+            fact, named.get(value, value), tuple(named.get(word, word) for word in words)
+        )
 
     def _geometry(self, found: Recognition, value: str) -> Term:
         overtaking = z3.Or(self.term(found.overtaking), self.swapped.term(found.overtaking))
@@ -337,18 +381,7 @@ def kinds(text: RulesetText) -> Mapping[str, Kind]:
 
 def atoms_in(symbols: Symbols, terms: Iterable[Term]) -> list[Atom]:
     """Atoms whose proxies occur in some terms."""
-    names: set[str] = set()
-    seen: set[int] = set()
-    stack = list(terms)
-    while stack:
-        term = stack.pop()
-        if (key := term.get_id()) in seen:
-            continue
-        seen.add(key)
-        if z3.is_const(term):
-            names.add(str(term))
-        stack.extend(term.children())
-    return [each for each in symbols.atoms.values() if str(each.positive) in names or str(each.negative) in names]
+    return symbols.atoms_of(symbols.names(terms))
 
 
 def at(value: Fraction | int) -> Polynomial:

@@ -6,10 +6,14 @@ verdict of `conflict`, so that the safe mutual rule applies and the log says why
 
 from __future__ import annotations
 
+from typing import Final
+
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .encounters import Encounter, remember
 from .ruleset import AbstractRuleset, Pair, Situation
+
+FAILED: Final = "the ruleset failed: "  # begins the reason of a verdict that stands for what a ruleset raised
 
 
 def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
@@ -27,18 +31,23 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
         if verdict is not None and (verdict.own, verdict.other) != (own, other):
             raise ValueError(f"expected a verdict of {own} on {other}, got {verdict.own} on {verdict.other}")
     except Exception as error:  # a plugin may raise anything, and no ship may be left without a verdict
-        return Verdict(
-            own=own,
-            other=other,
-            kind=Kind.CONFLICT,
-            ruleset=ruleset.id,
-            version=ruleset.version,
-            reason=f"the ruleset failed: {type(error).__name__}: {error}",
-        )
+        return failed(ruleset, own, other, error)
     if verdict is not None:
         return verdict
     return Verdict(
         own=own, other=other, kind=Kind.NONE, ruleset=ruleset.id, version=ruleset.version, reason="no_rule"
+    )
+
+
+def failed(ruleset: AbstractRuleset, own: ShipId, other: ShipId, error: Exception) -> Verdict:
+    """Verdict that stands for what a ruleset raised: a conflict, so that both ships give way."""
+    return Verdict(
+        own=own,
+        other=other,
+        kind=Kind.CONFLICT,
+        ruleset=ruleset.id,
+        version=ruleset.version,
+        reason=f"{FAILED}{type(error).__name__}: {error}",
     )
 
 

@@ -1,12 +1,13 @@
 """Cases read from files: the tests of a ruleset file, and encounter files.
 
-A test of a ruleset file writes numbers with units (`length: 12 m`); an encounter file has the unit in the name
-of the key (`length_m: 12.0`).  Both give the same `Case`.
+A test of a ruleset file writes numbers with units (`length: 12 m`); an encounter file has the unit in the
+name of the key (`length_m: 12.0`).  Both give the same `Case`.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,21 +15,26 @@ from typing import Any, Final
 
 from ..errors import Diagnostic, RulesetError
 from ..findings import read_text
-from ..quantities import ANGLE, LENGTH, SPEED, Range
-from ..roles import Geometry, PassingSide
+from ..quantities import ANGLE, LENGTH, SPEED, TIME, Range
+from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
 from ..strict_yaml import Block, Reader
 from ..units import DEGREE
-from ..verdict import Confidence, Kind
 from ..yaml_nodes import Mapping as Keys
-from ..yaml_nodes import Node, Scalar, Sequence
-from .cases import DIAGNOSES, Case, CaseShip, Expected
+from ..yaml_nodes import Node, Scalar, Sequence, is_missing
+from .case_expected import ExpectationReader
+from .cases import Case, CaseShip
 from .vocabulary import VOCABULARY, Fact, Scope, Vocabulary
 from .vocabulary import Kind as FactKind
 
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
+_NAMELESS: Final = {  # where no ship is named, none is
+    "overtaker": ("head_on", "crossing", "none"),
+    "has_other_on_starboard": ("head_on", "overtaking", "none"),
+}
 _NAMED_SHIPS: Final = ("overtaker", "has_other_on_starboard")
+_PLACES: Final = ("same_waterway", "same_direction")  # where the ships are, which says nothing of a risk
 _HINTS: Final = ("tcpa_s", "dcpa_m")  # illustration of an encounter whose geometry is stated
 
 
@@ -128,6 +134,7 @@ class _CaseReader:
     ) -> None:
         self._reader, self._vocabulary, self._in_units = reader, vocabulary, in_units
         self._defaults = defaults or {}
+        self._expectations = ExpectationReader(reader)
 
     # -- whole cases -----------------------------------------------------------------------------
 
@@ -140,7 +147,7 @@ class _CaseReader:
         waterway = self.facts(block.find("waterway"), Scope.WATERWAY)
         encounter = self._encounter(block.find("encounter"), ships)
         expect = block.require("expect")
-        expected = self._expected(expect, ships)
+        expected = self._expectations.expected(expect, ships)
         if not block.done():
             return None
         return Case(
@@ -150,6 +157,7 @@ class _CaseReader:
             waterway=waterway,
             encounter=encounter,
             expected={ruleset: expected},
+            strict=True,
             source=reader.source,
             line=node.line,
         )
@@ -169,9 +177,9 @@ class _CaseReader:
             **self.facts(block.find("waterway"), Scope.WATERWAY),
         }
         encounter = self._encounter(block.find("encounter"), ships)
-        order = self._resolution(block.find("resolution"))
+        order = self._expectations.resolution(block.find("resolution"))
         expected = {
-            key.text: self._expected(value, ships, hard=hard, order=order, placed=bool(ships))
+            key.text: self._expectations.expected(value, ships, hard=hard, order=order, placed=bool(ships))
             for key, value in reader.entries(block.require("expected"))
         }
         words = [reader.text(each) for each in reader.items(tags)] if tags else []
@@ -202,7 +210,7 @@ class _CaseReader:
             pose, speed, rest = self._kinematics(value)
             facts |= self.facts(rest, Scope.SHIP)
             ships.append(CaseShip(id=ShipId(key.text), facts=facts, pose=pose, speed=speed))
-        if node is not None and len(entries) < least:
+        if node is not None and not is_missing(node) and len(entries) < least:
             reader.refuse(node, f"{len(entries)} ship(s)", expected=f"at least {least}")
         return tuple(ships)
 
@@ -277,147 +285,44 @@ class _CaseReader:
         reader = self._reader
         block = reader.block(node)
         ids = [ship.id for ship in ships]
-        found: dict[str, Any] = {"risk_of_collision": True}
+        keys = {key.text for key, _ in node.entries} if isinstance(node, Keys) else set()
+        found: dict[str, Any] = {} if keys and keys <= set(_PLACES) else {"risk_of_collision": True}
+        for name in _PLACES:
+            if (place := block.find(name)) is not None:
+                found[name] = _maybe(place, reader.flag)
         if (risk := block.find("risk_of_collision")) is not None:
             found["risk_of_collision"] = _maybe(risk, reader.flag)
         if (geometry := block.find("geometry")) is not None:
             found["geometry"] = _maybe(geometry, lambda each: reader.choice(each, Geometry).value)
         for name in _NAMED_SHIPS:
             if (named := block.find(name)) is not None:
-                found[name] = _maybe(named, lambda each: self._ship(each, ids))
+                found[name] = _maybe(named, lambda each: self._expectations.ship(each, ids))
         if (windward := block.find("windward")) is not None:
-            found["windward"] = self._ship(windward, ids)
-        for name in _HINTS:
-            if not self._in_units and (hint := block.find(name)) is not None:
-                self._bare(hint)
-        if isinstance(node, Keys) and not self._in_units:
-            for key, value in node.entries:
-                if key.text.startswith("bearing_of_") and key.text.endswith("_deg"):
-                    block.find(key.text)
-                    self._bare(value)
-        if found.get("geometry") in ("head_on", "crossing", "none"):
-            found.setdefault("overtaker", "none")
-        if found.get("geometry") in ("head_on", "overtaking", "none"):
-            found.setdefault("has_other_on_starboard", "none")
+            found["windward"] = self._expectations.ship(windward, ids)
+        times = block.find("time_to_intersection" if self._in_units else "time_to_intersection_s")
+        if times is not None:
+            found["time_to_intersection"] = {
+                ShipId(self._expectations.ship(key, ids)): self._time(value)
+                for key, value in reader.entries(times)
+            }
+        self._illustrations(block, node)
+        for name, geometries in _NAMELESS.items():
+            if found.get("geometry") in geometries:
+                found.setdefault(name, "none")
         block.done()
         return found
 
-    def _ship(self, node: Node, ids: Iterable[str]) -> str:
-        text = self._reader.text(node)
-        known = [*ids, "none"]
-        if text and text not in known:
-            self._reader.unknown(node, "ship", text, known)
-        return text
+    def _illustrations(self, block: Block, node: Node) -> None:
+        """Numbers that stand beside a stated geometry: they must be numbers, and decide nothing."""
+        if self._in_units or not isinstance(node, Keys):
+            return
+        for key, value in node.entries:
+            if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
+                block.find(key.text)
+                self._bare(value)
 
-    # -- what is expected ------------------------------------------------------------------------
-
-    def _expected(
-        self,
-        node: Node,
-        ships: Iterable[CaseShip],
-        *,
-        hard: bool = False,
-        order: tuple[ShipId, ...] | None = None,
-        placed: bool = True,
-    ) -> Expected:
-        reader = self._reader
-        if hard and not placed:  # nothing to judge: the case is there to be read, and skipped
-            told = {key.text: value for key, value in reader.entries(node)}
-            diagnosis = told.get("diagnosis")
-            return Expected(diagnosis=self._diagnosis(diagnosis) if diagnosis else None)
-        block = reader.block(node)
-        ids = [ship.id for ship in ships]
-
-        def some(key: str) -> frozenset[ShipId] | None:
-            found = block.find(key)
-            return (
-                None
-                if found is None
-                else frozenset(ShipId(each) for each in self._listed(found, ids, placed))
-            )
-
-        def one(key: str) -> ShipId | None:
-            found = block.find(key)
-            return None if found is None else ShipId(self._ship(found, ids))
-
-        def word(key: str) -> str | None:
-            found = block.find(key)
-            return None if found is None else reader.text(found)
-
-        def pairs(key: str) -> frozenset[tuple[ShipId, ...]] | None:
-            found = block.find(key)
-            if found is None:
-                return None
-            listed = [self._listed(each, ids, placed, 2, 2) for each in reader.items(found)]
-            return frozenset(tuple(ShipId(each) for each in pair) for pair in listed)
-
-        give_way, stand_on = some("give_way"), some("stand_on")
-        kind = block.find("kind")
-        passing = block.find("pass")
-        diagnosis = block.find("diagnosis")
-        for key in ("note", "signal", "cooperates", "suggested", "verdict", "obligations"):
-            block.find(key)
-        confidence = block.find("confidence")
-        sequence = block.find("order")
-        found = Expected(
-            kind=reader.choice(kind, Kind).value if kind else _kind_of(give_way, hard=hard),
-            give_way=give_way,
-            stand_on=stand_on,
-            initiator=one("initiator"),
-            passing_side=reader.choice(passing, PassingSide).value if passing else None,
-            strength=word("strength"),
-            side_chosen_by=one("side_chosen_by"),
-            must_follow=some("must_follow"),
-            facilitates=some("facilitates"),
-            manoeuvre=word("required_manoeuvre") or word("manoeuvre"),
-            reason=word("reason"),
-            rule=word("by"),
-            article=word("article") or "",
-            diagnosis=self._diagnosis(diagnosis) if diagnosis else None,
-            gives_way_to=pairs("gives_way_to"),  # type: ignore[arg-type]
-            mutual=_unordered(pairs("mutual")),
-            no_rule=_unordered(pairs("no_rule")),
-            cycle=some("cycle"),
-            order=tuple(ShipId(each) for each in self._listed(sequence, ids, placed)) if sequence else order,
-            confidence=reader.choice(confidence, Confidence) if confidence else None,
-        )
-        if not hard and found.kind is None and found.diagnosis is None:
-            reader.refuse(node, "nothing is expected", expected="kind, give_way or diagnosis")
-        block.done()
-        return found
-
-    def _diagnosis(self, node: Node) -> str:
-        text = self._reader.text(node)
-        if text and text not in DIAGNOSES:
-            self._reader.unknown(node, "diagnosis", text, DIAGNOSES)
-        return text
-
-    def _listed(
-        self,
-        node: Node,
-        ids: Iterable[str],
-        placed: bool = True,
-        at_least: int = 0,
-        at_most: int = 100,  # noqa: FBT001, FBT002
-    ) -> list[str]:
-        """Ships of a list, or the one ship that stands there."""
-        nodes = node.items if isinstance(node, Sequence) else (node,)
-        if not at_least <= len(nodes) <= at_most:
-            self._reader.refuse(node, f"a list of {len(nodes)}", expected=f"{at_least} ships")
-        if not placed:
-            return [self._reader.text(each) for each in nodes]
-        return [self._ship(each, ids) for each in nodes]
-
-    def _resolution(self, node: Node | None) -> tuple[ShipId, ...] | None:
-        """Order in which ships decide where a cycle is opened."""
-        if node is None:
-            return None
-        block = self._reader.block(node)
-        for key in ("secondary", "lightest_decides_first", "note"):
-            block.find(key)
-        order = block.find("order")
-        block.done()
-        return tuple(ShipId(self._reader.text(each)) for each in self._reader.items(order)) if order else None
+    def _time(self, node: Node) -> float:
+        return self._reader.number(node, TIME) if self._in_units else self._bare(node)
 
 
 def read_fact(reader: Reader, node: Node, fact: Fact, *, in_units: bool) -> Any:
@@ -445,13 +350,3 @@ def read_fact(reader: Reader, node: Node, fact: Fact, *, in_units: bool) -> Any:
 
 def _maybe(node: Node, read: Callable[[Node], Any]) -> Any:
     return UNKNOWN if isinstance(node, Scalar) and node.text == UNKNOWN.value else read(node)
-
-
-def _kind_of(give_way: frozenset[ShipId] | None, *, hard: bool) -> str | None:
-    if hard or give_way is None:
-        return None
-    return {0: None, 1: Kind.GIVE_WAY.value}.get(len(give_way), Kind.MUTUAL.value)
-
-
-def _unordered(pairs: frozenset[tuple[ShipId, ...]] | None) -> frozenset[frozenset[ShipId]] | None:
-    return None if pairs is None else frozenset(frozenset(pair) for pair in pairs)

@@ -70,9 +70,13 @@ class Case:
     title: str = ""
     ships: tuple[CaseShip, ...] = ()
     waterway: Mapping[str, Any] = field(default_factory=dict)
-    encounter: Mapping[str, Any] = field(default_factory=dict)  # stated facts of the pair, ships by id
+    encounter: Mapping[str, Any] = field(
+        default_factory=dict
+    )  # stated facts of the pair, ships by id; and, by
+    # ship, times to the intersection of the waterways [s]
     expected: Mapping[str, Expected] = field(default_factory=dict)  # by ruleset
     tags: tuple[str, ...] = ()
     hard: bool = False
+    strict: bool = False  # everything that is expected is compared, and not the duty alone
     source: str = ""
     line: int = 0

@@ -1,7 +1,7 @@
 """How well tests cover a ruleset: rules that no case reaches, and faults that no case would notice.
 
-A mutant is the ruleset with one rule dropped, or with its condition turned round.  A mutant under which all cases
-still pass survives: nothing that the tests say depends on that rule.
+A mutant is the ruleset with one rule dropped, or with its condition turned round.  A mutant under which all
+cases still pass survives: nothing that the tests say depends on that rule.
 """
 
 from __future__ import annotations
@@ -68,13 +68,13 @@ def reached(ruleset: WrittenRuleset, cases: Sequence[Case]) -> frozenset[str]:
     )
 
 
-def coverage(ruleset: WrittenRuleset, cases: Sequence[Case]) -> Coverage:
-    """Run all cases against all mutants; those that fail without any mutation are left out."""
+def covered(ruleset: WrittenRuleset, cases: Sequence[Case], *, mutants: bool = True) -> Coverage:
+    """Run all cases against all mutants, if asked for; those that fail without any are left out."""
     sound = [case for case in cases if run_case(ruleset, case, case.expected[ruleset.id]).passed]
     return Coverage(
         rules=tuple(rule.id for rule in ruleset.text.rules),
         reached=reached(ruleset, sound),
-        mutants=tuple(_mutants(ruleset, sound)),
+        mutants=tuple(_mutants(ruleset, sound)) if mutants else (),
     )
 
 

@@ -2,8 +2,9 @@
 
 Ships tell one another whom they wait for.  A ship whose timer T_DL has run out looks at what it
 has heard: it may decide if it lies in a source component (nobody it waits for, at any remove,
-fails to wait for it) and is the first there by rank, as a rule the lightest, then the one with the smallest id.  A ship that
-merely waits for a ring must not jump the queue.  `priority.open_cycles` gives the same order.
+fails to wait for it) and is the first there by rank, as a rule the lightest, then the one with the
+smallest id.  A ship that merely waits for a ring must not jump the queue.  `priority.open_cycles` gives the
+same order.
 """
 
 from __future__ import annotations

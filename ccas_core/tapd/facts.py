@@ -11,15 +11,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
+from ..quantities import ANGLE
 from ..ships import UNKNOWN, FactValue, ShipId
-from ..units import DEGREE, wrap
+from ..units import DEGREE
 from ..waterway import Towards, Waters, Waterway
 from ..world import ShipReport
 from .encounters import NO_ENCOUNTER, Encounter
 from .language.code import MOTION, Missing, Values
+from .language.polynomial import mirrored_name
 from .vocabulary import Scope, Vocabulary
 
 STOPPED: Final = 0.1  # a ship slower than this is not under way [m/s]
@@ -27,25 +29,10 @@ KEEPS_STARBOARD: Final = 5.0  # a ship this far to starboard of the centreline f
 LEAVES_STARBOARD: Final = 0.0  # and does so until it is no farther than this [m]
 GRID: Final = 2.0**-20  # positions [m] and velocities [m/s] are shared in multiples of this
 
+_MIRRORED_PLACES: Final = {"ox": "tx", "oy": "ty", "tx": "ox", "ty": "oy"}
 _SHIP_OF: Final = {"own": "other", "other": "own"}
 _MIRRORED_MOTION: Final = tuple(
-    MOTION.index(name)
-    for name in (
-        "rx",
-        "ry",
-        "wx",
-        "wy",
-        "tvx",
-        "tvy",
-        "ovx",
-        "ovy",
-        "other.time_to_intersection",
-        "own.time_to_intersection",
-        "tx",
-        "ty",
-        "ox",
-        "oy",
-    )  # fmt: skip
+    MOTION.index(_MIRRORED_PLACES.get(name, mirrored_name(name))) for name in MOTION
 )
 
 
@@ -71,12 +58,13 @@ class PairFacts:
         """Give the same facts as the other ship sees them."""
         m = self.motion
         motion = tuple(-m[n] if n < 4 else m[n] for n in _MIRRORED_MOTION) if self.moving else m
-        return replace(
-            self,
+        return PairFacts(
+            vocabulary=self.vocabulary,
             own=self.other,
             other=self.own,
             own_values=self.other_values,
             other_values=self.own_values,
+            waterway_values=self.waterway_values,
             pair_values=tuple(
                 _SHIP_OF.get(each, each) if isinstance(each, str) else each for each in self.pair_values
             ),
@@ -93,13 +81,13 @@ class PairFacts:
         places = self.vocabulary.places
         if head in _SHIP_OF and tail in places[Scope.SHIP]:
             values = self.own_values if head == "own" else self.other_values
-            return _plain(values[places[Scope.SHIP][tail]])
+            return plain(values[places[Scope.SHIP][tail]])
         if head == "waterway" and tail in places[Scope.WATERWAY]:
-            return _plain(self.waterway_values[places[Scope.WATERWAY][tail]])
+            return plain(self.waterway_values[places[Scope.WATERWAY][tail]])
         if name in places[Scope.PAIR]:
-            return _plain(self.pair_values[places[Scope.PAIR][name]])
+            return plain(self.pair_values[places[Scope.PAIR][name]])
         if name in MOTION:
-            return _plain(self.motion[MOTION.index(name)])
+            return plain(self.motion[MOTION.index(name)])
         if not self.moving:
             return UNKNOWN
         if tail == "speed" and head in _SHIP_OF:
@@ -141,13 +129,15 @@ class PairFacts:
         return north, east
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Value of a fact, or `UNKNOWN`."""
     return UNKNOWN if isinstance(value, Missing) else value
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float]) -> float:
     """Angle from one vector to another, clockwise, (-pi, pi]; 0 where one of them is zero."""
-    return math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+    across, along = a[0] * b[1] - a[1] * b[0] + 0.0, a[0] * b[0] + a[1] * b[1]  # no -0.0: astern is +pi
+    return math.atan2(across, along) if across or along else 0.0
 
 
 def closest_approach(rx: float, ry: float, wx: float, wy: float) -> tuple[float, float]:
@@ -233,6 +223,8 @@ def ship_values(
         value = found.get(fact.name, fact.default)
         if fact.name not in found and fact.compute is not None:
             value = fact.compute(report, waters)
+        if fact.quantity is ANGLE and value is not UNKNOWN:
+            value = float(value) / DEGREE  # conditions compare degrees
         values.append(Missing(report.id, fact.name) if value is UNKNOWN else value)
     return tuple(values)
 
@@ -315,8 +307,8 @@ def motion(
 ) -> tuple[float, ...]:
     """Motion of two ships from their poses (north, east [m], course [rad]) and speeds [m/s].
 
-    All is put on a grid, fine enough for any sensor: so that every machine has the same, and so that a product of
-    two of these numbers is zero only if one of them is.
+    All is put on a grid, fine enough for any sensor: so that every machine has the same, and so that a
+    product of two of these numbers is zero only if one of them is.
     """
     ox, oy, tx, ty = (_on_grid(each) for each in (own[0], own[1], other[0], other[1]))
     ovx, ovy = velocity(own[2], own_speed)
@@ -350,15 +342,6 @@ def velocity(course: float, speed: float) -> tuple[float, float]:
 
 def _on_grid(value: float) -> float:
     return round(value / GRID) * GRID + 0.0
-
-
-def relative_bearing(own: tuple[float, float, float], other: tuple[float, float]) -> float:
-    """Bearing of a position from own pose (north, east, course), clockwise, (-pi, pi]: starboard positive.
-
-    >>> round(relative_bearing((0.0, 0.0, 0.0), (0.0, 10.0)) / DEGREE)
-    90
-    """
-    return wrap(math.atan2(other[1] - own[1], other[0] - own[0]) - own[2])
 
 
 def direction(waterway: Waterway, towards: Towards) -> str:

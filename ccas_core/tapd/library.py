@@ -1,4 +1,7 @@
-"""Rulesets by id, each read when it is first asked for; a file that cannot be understood makes its ruleset unavailable."""
+"""Rulesets by id, each read when it is first asked for.
+
+A file that cannot be understood makes its ruleset unavailable, and no other.
+"""
 
 from __future__ import annotations
 
@@ -79,8 +82,11 @@ class RulesetLibrary(Mapping[str, AbstractRuleset]):
         return parse_ruleset(text, source, self.text_of, self.vocabulary, self._python, self._criteria)
 
     def loaded(self, path: Path) -> AbstractRuleset:
-        """Read a ruleset file that is not part of the library."""
-        return self.parsed(read_text(path, RulesetError), str(path))
+        """Read a ruleset file that is not part of the library; from now on it stands for the id in it."""
+        found = self.parsed(read_text(path, RulesetError), str(path))
+        self._made[found.id] = found
+        self._ids = sorted({*self._ids, found.id})
+        return found
 
     def text_of(self, id_: str) -> tuple[str, str]:
         """Text and path of a ruleset file; `KeyError`, with a hint, where there is none."""

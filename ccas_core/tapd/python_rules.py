@@ -1,7 +1,7 @@
 """Rules in plain Python, for what a condition cannot say: a function of a pair, at a place of a ladder.
 
-The function takes a `PairView` and returns what own ship does, or None where it has nothing to say.  It is asked
-from both sides; what it returns with the ships swapped is turned round for own ship.
+The function takes a `PairView` and returns what own ship does, or None where it has nothing to say.  It is
+asked from both sides; what it returns with the ships swapped is turned round for own ship.
 """
 
 from __future__ import annotations
@@ -105,8 +105,17 @@ def ruled(rule: PythonRule, pair: PairView) -> Outcome | None:
         If it returns something else than a decision.
     """
     decision = rule.decide(pair)
-    if decision is None:
-        return None
+    return None if decision is None else outcome_of(rule, decision)
+
+
+def outcome_of(rule: PythonRule, decision: RoleDecision | str) -> Outcome:
+    """What a rule in Python has returned, as an outcome.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no decision.
+    """
     if isinstance(decision, str):
         decision = RoleDecision(decision)
     if not isinstance(decision, RoleDecision):

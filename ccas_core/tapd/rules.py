@@ -146,6 +146,18 @@ class Waiver:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """A property that is claimed of some ships only: those for which further conditions hold."""
+
+    name: str
+    check: str
+    assume: tuple[Formula, ...]
+    texts: tuple[str, ...]
+    on_a_reach: bool  # of ships that follow one reach of a river
+    source: Source
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Domain:
     """For which ships and distances a ruleset is meant: proofs and their counterexamples stay in it [SI]."""
 
@@ -200,9 +212,16 @@ class RulesetText:
     resolve_by: tuple[Order, ...]
     domain: Domain
     waivers: tuple[Waiver, ...]
-    tests: tuple[Case, ...]
+    claims: tuple[Claim, ...]
+    inline: tuple[Case, ...]  # tests in the file itself
+    beside: Callable[[], tuple[Case, ...]]  # those in a file beside it, read when asked for
     source: str  # path of the file
     lint: Callable[[], tuple[Diagnostic, ...]] = tuple
+
+    @property
+    def tests(self) -> tuple[Case, ...]:
+        """All tests; `RulesetError` where those beside the file cannot be understood."""
+        return (*self.inline, *self.beside())
 
     @property
     def remarks(self) -> tuple[Diagnostic, ...]:

@@ -32,17 +32,24 @@ class Situation:
     encounters: Mapping[Pair, Encounter] = field(default_factory=dict)
     kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
     _values: dict[tuple[int, ShipId], tuple[Any, ...]] = field(default_factory=dict, init=False, repr=False)
+    _assessed: dict[tuple[int, ShipId, ShipId], PairFacts] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "encounters", MappingProxyType(dict(self.encounters)))
 
     def facts(self, own: ShipId, other: ShipId, vocabulary: Vocabulary = VOCABULARY) -> PairFacts:
         """Facts about two ships, as `own` sees them."""
-        reports = self.world.reports
-        values = {ship: self.ship_values(ship, vocabulary) for ship in (own, other)}
-        return assess(
-            vocabulary, self.world.waters, reports[own], reports[other], self.encounter(own, other), values
-        )
+        key = id(vocabulary), own, other
+        if key not in self._assessed:
+            reports = self.world.reports
+            values = {ship: self.ship_values(ship, vocabulary) for ship in (own, other)}
+            memory = self.encounter(own, other)
+            self._assessed[key] = assess(
+                vocabulary, self.world.waters, reports[own], reports[other], memory, values
+            )
+        return self._assessed[key]
 
     def ship_values(self, ship: ShipId, vocabulary: Vocabulary = VOCABULARY) -> tuple[Any, ...]:
         """Facts of one ship, computed once."""

@@ -14,12 +14,16 @@ from ..errors import Diagnostic, RulesetError, did_you_mean
 from ..findings import read_text
 from ..strict_yaml import Reader
 from ..verdict import Citation, Kind
-from ..yaml_nodes import Node, Scalar
+from ..yaml_nodes import Node
+from .ladder import Ladder, Slot
 from .language import syntax
-from .language.compiler import Compiler, Definition, Parameter
+from .language.compiler import BUILT_IN, Compiler, Definition, Parameter
 from .language.formula import FALSE, Formula, all_of, any_of, facts_of, negated
+from .python_rules import PythonRule
+from .ranking import RankingCriterion
 from .rules import (
     DEFAULT_ORDER,
+    Claim,
     Criterion,
     Domain,
     Gate,
@@ -34,23 +38,19 @@ from .rules import (
     Source,
     Waiver,
 )
-from .python_rules import PythonRule
-from .ranking import RankingCriterion
 from .ruleset_draft import (
-    RECOGNITION,
     SCHEMA,
     Condition,
     Draft,
-    DraftRule,
-    Exception_,
-    head_of,
-    read_draft,
+    Unless,
     refuse,
 )
-from .vocabulary import VOCABULARY, Vocabulary
+from .ruleset_reader import RECOGNITION, head_of, read_draft
+from .tests_file import tests_beside
+from .vocabulary import VOCABULARY, Scope, Vocabulary
 from .written import WrittenRuleset
 
-__all__ = ["SCHEMA", "load_ruleset", "parse_ruleset", "read_text_of", "head_of", "Library"]
+__all__ = ["SCHEMA", "Library", "head_of", "load_ruleset", "parse_ruleset", "read_text_of"]
 
 MAX_BASES: Final = 10
 
@@ -141,20 +141,16 @@ def _base(name: str, beside: Path, library: Library | None) -> tuple[str, str]:
     """Text and source of a base: a file beside this one, or one that the library knows."""
     if name.endswith((".yaml", ".yml")):
         path = beside.parent / name
-        if not path.is_file():
-            raise KeyError(f"there is no file {path}")
+        try:
+            found = path.is_file()
+        except OSError:  # the name is too long, and the like
+            found = False
+        if not found:
+            raise KeyError(f"there is no file {name[:60]} beside this one")
         return read_text(path, RulesetError), str(path)
     if library is None:
         raise KeyError("no rulesets are installed")
     return library(name)
-
-
-@dataclass(slots=True)
-class _Slot:
-    """A rule in the ladder that is being put together."""
-
-    rule: DraftRule
-    citation: Citation
 
 
 @dataclass(slots=True)
@@ -165,8 +161,7 @@ class _Weaver:
     vocabulary: Vocabulary
     python: frozenset[str]
     criteria: frozenset[str]
-    ladder: list[_Slot] = field(default_factory=list)
-    findings: dict[int, Reader] = field(default_factory=dict)  # by the reader of a base
+    ladder: Ladder = field(default_factory=Ladder)
     compiler: Compiler = field(init=False)
 
     def ruleset(self) -> RulesetText:
@@ -178,7 +173,7 @@ class _Weaver:
             definitions |= draft.definitions
             parameters |= draft.parameters
             regimes |= draft.regimes
-            self._stack(draft)
+            self.ladder.stack(draft)
         self.compiler = Compiler(
             vocabulary=self.vocabulary,
             parameters={name: each for name, (each, _) in parameters.items()},
@@ -190,7 +185,7 @@ class _Weaver:
             self._definition(name, condition)
         recognition = self._recognition()
         gates = self._gates()
-        rules = tuple(self._rule(slot, gates) for slot in self.ladder)
+        rules = tuple(self._rule(slot, gates) for slot in self.ladder.slots)
         otherwise = next((d.otherwise for d in reversed(self.drafts) if d.otherwise), None)
         if otherwise is None and not last.abstract:
             hint = "otherwise: {cite: {article: …}}, say the article on general care"
@@ -222,7 +217,9 @@ class _Weaver:
             resolve_by=resolve_by,
             domain=domain,
             waivers=waivers,
-            tests=last.tests,
+            claims=self._claims(),
+            inline=last.tests,
+            beside=tests_beside(last.path, last.id, self.vocabulary),
             source=last.path,
             lint=lambda: tuple(self._remarks(definitions, parameters, regimes, rules)),
         )
@@ -232,81 +229,10 @@ class _Weaver:
 
     # -- findings --------------------------------------------------------------------------------
 
-    def _reader(self, reader: Reader) -> Reader:
-        """Reader that takes findings: of a base, a fresh one, for the base by itself is well."""
-        if reader is self.drafts[-1].reader:
-            return reader
-        if id(reader) not in self.findings:
-            self.findings[id(reader)] = Reader(reader.content, reader.source, RulesetError)
-        return self.findings[id(reader)]
-
     def _finish(self) -> None:
-        told = list(self.drafts[-1].reader.told())
-        for reader in self.findings.values():
-            told += reader.told()
+        told = [each for draft in self.drafts[::-1] for each in draft.reader.told()]
         if told:
             raise RulesetError(*told)
-
-    # -- the ladder ------------------------------------------------------------------------------
-
-    def _stack(self, draft: Draft) -> None:
-        """Put the rules of a draft into the ladder of its bases."""
-        for name in draft.removed:
-            at = self._place(draft, name, "removed")
-            if at is not None:
-                del self.ladder[at]
-        inherited = bool(self.ladder)
-        last_placed: int | None = None
-        for rule in draft.rules:
-            at = last_placed
-            if rule.replaces is not None:
-                at = self._place(draft, rule.replaces, "replaced")
-                if at is None:
-                    continue
-                if rule.id != rule.replaces.text and self._is_taken(draft, rule):
-                    continue
-                self.ladder[at] = _Slot(rule, rule.citation)
-                last_placed = at
-                continue
-            if self._is_taken(draft, rule):
-                continue
-            if rule.before is not None or rule.after is not None:
-                near = self._place(draft, rule.before or rule.after, "found")
-                if near is None:
-                    continue
-                at = near - 1 if rule.before is not None else near
-            elif last_placed is None and inherited:
-                hint = "say 'before: ID', 'after: ID' or 'replaces: ID'; rules that follow stand behind it"
-                draft.reader.refuse(
-                    rule.node, f"where in the ladder of the base does '{rule.id}' stand?", hint=hint
-                )
-                continue
-            at = len(self.ladder) - 1 if at is None else at
-            self.ladder.insert(at + 1, _Slot(rule, rule.citation))
-            last_placed = at + 1
-        for id_, (citation, node) in draft.recited.items():
-            at = self._place(draft, Scalar(node.line, node.column, id_), "cited anew")
-            if at is not None:
-                self.ladder[at].citation = citation
-
-    def _is_taken(self, draft: Draft, rule: DraftRule) -> bool:
-        for slot in self.ladder:
-            if slot.rule.id == rule.id:
-                hint = f"say 'replaces: {rule.id}' to put this in its place, or rename it"
-                draft.reader.refuse(rule.node, f"the base has a rule '{rule.id}' already", hint=hint)
-                return True
-        return False
-
-    def _place(self, draft: Draft, name: Scalar | None, what: str) -> int | None:
-        assert name is not None  # noqa: S101
-        ids = [slot.rule.id for slot in self.ladder]
-        if name.text in ids:
-            return ids.index(name.text)
-        hint = did_you_mean(name.text[:60], ids)
-        draft.reader.refuse(
-            name, f"there is no rule '{name.text[:60]}' to be {what}", hint=hint, width=len(name.text)
-        )
-        return None
 
     # -- conditions ------------------------------------------------------------------------------
 
@@ -315,24 +241,31 @@ class _Weaver:
         definitions: Mapping[str, tuple[Definition, Condition]],
         parameters: Mapping[str, tuple[Parameter, Node]],
     ) -> None:
-        for name in definitions.keys() & parameters.keys():
+        for name in sorted(definitions.keys() & parameters.keys()):
             condition = definitions[name][1]
-            self._reader(condition.reader).refuse(
+            condition.reader.refuse(
                 condition.node, f"'{name}' is a parameter and a definition", hint="rename one of the two"
             )
+        taken = {*BUILT_IN, *self.vocabulary.places[Scope.PAIR]}
+        for draft in self.drafts:
+            places = {name: condition.node for name, (_, condition) in draft.definitions.items()}
+            places |= {name: node for name, (_, node) in draft.parameters.items()}
+            for name in sorted(places.keys() & taken):
+                hint = "rename it: the word has a meaning already, see `ccas facts`"
+                draft.reader.refuse(places[name], f"'{name}' cannot be defined", hint=hint)
 
     def _definition(self, name: str, condition: Condition) -> None:
         try:
             self.compiler.definition(name)
         except syntax.Fault as fault:
             self.compiler.broken.add(name)
-            refuse(condition, fault, self._reader(condition.reader))
+            refuse(condition, fault)
 
     def _formula(self, condition: Condition) -> Formula:
         try:
             return self.compiler.condition(condition.text)
         except syntax.Fault as fault:
-            refuse(condition, fault, self._reader(condition.reader))
+            refuse(condition, fault)
             return FALSE
 
     def _recognition(self) -> Recognition | None:
@@ -341,19 +274,22 @@ class _Weaver:
             found |= draft.recognition
         if not found:
             return None
+        if "risk" not in found:
+            first = next(iter(found.values()))
+            hint = "say under 'encounter' when there is a risk of collision"
+            first.reader.refuse(first.node, "encounters are recognised, and no risk with them", hint=hint)
         return Recognition(
             **{key: self._formula(found[key]) if key in found else FALSE for key in RECOGNITION}
         )
 
     def _gates(self) -> list[tuple[Draft, Gate]]:
-        gates = []
-        seen: dict[str, Draft] = {}
-        ids = [slot.rule.id for slot in self.ladder]
+        gates: list[tuple[Draft, Gate]] = []
+        ids = self.ladder.ids
         for draft in self.drafts:
             for gate in draft.gates:
-                if gate.id in seen:
-                    gate.reader.refuse(gate.node, f"a second gate '{gate.id}'", hint="rename one")
-                seen[gate.id] = draft
+                gates = [
+                    each for each in gates if each[1].id != gate.id
+                ]  # one of a base, which this replaces
                 off: list[str] = []
                 for name in gate.off:
                     stem = name.text.removesuffix(".*")
@@ -362,9 +298,7 @@ class _Weaver:
                     ]
                     if not hits:
                         hint = did_you_mean(name.text, ids)
-                        self._reader(gate.reader).refuse(
-                            name, f"no rule '{name.text}' to switch off", hint=hint
-                        )
+                        gate.reader.refuse(name, f"no rule '{name.text}' to switch off", hint=hint)
                     off += hits
                 formula = all_of(self._formula(each) for each in gate.when)
                 source = self._source(gate.reader, gate.node)
@@ -378,7 +312,7 @@ class _Weaver:
                 )
         return gates
 
-    def _rule(self, slot: _Slot, gates: list[tuple[Draft, Gate]]) -> Rule:
+    def _rule(self, slot: Slot, gates: list[tuple[Draft, Gate]]) -> Rule:
         draft = slot.rule
         parts = [
             *(Part("where", self._where(each)) for each in draft.where),
@@ -390,9 +324,7 @@ class _Weaver:
             hint = (
                 did_you_mean(draft.python, self.python) if self.python else "no plugin offers rules in Python"
             )
-            self._reader(draft.reader).refuse(
-                draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint
-            )
+            draft.reader.refuse(draft.python_node, f"unknown Python rule '{draft.python}'", hint=hint)
         return Rule(
             id=draft.id,
             condition=all_of(part.formula for part in parts),
@@ -411,10 +343,10 @@ class _Weaver:
         odd = sorted(name for name in facts_of(formula) if not name.startswith("waterway."))
         if odd:
             hint = f"'{odd[0]}' is no fact of a waterway: put this under 'when'"
-            self._reader(condition.reader).refuse(condition.node, "'where' is about waters only", hint=hint)
+            condition.reader.refuse(condition.node, "'where' is about waters only", hint=hint)
         return formula
 
-    def _exception(self, exception: Exception_) -> Formula:
+    def _exception(self, exception: Unless) -> Formula:
         met = all_of(self._formula(each) for each in exception.when)
         return all_of([met, negated(any_of(self._exception(each) for each in exception.unless))])
 
@@ -442,11 +374,22 @@ class _Weaver:
             for order, node in draft.resolve_by:
                 if order.criterion not in known:
                     hint = did_you_mean(order.criterion, known)
-                    self._reader(draft.reader).refuse(
-                        node, f"unknown criterion '{order.criterion}'", hint=hint
-                    )
+                    draft.reader.refuse(node, f"unknown criterion '{order.criterion}'", hint=hint)
             return tuple(order for order, _ in draft.resolve_by)
         return DEFAULT_ORDER
+
+    def _claims(self) -> tuple[Claim, ...]:
+        return tuple(
+            Claim(
+                name=claim.name,
+                check=claim.check,
+                assume=tuple(self._formula(each) for each in claim.assume),
+                texts=tuple(each.text for each in claim.assume),
+                on_a_reach=claim.on_a_reach,
+                source=self._source(claim.reader, claim.node),
+            )
+            for claim in self.drafts[-1].claims
+        )
 
     def _waivers(self, rules: Iterable[Rule]) -> tuple[Waiver, ...]:
         ids = [rule.id for rule in rules]

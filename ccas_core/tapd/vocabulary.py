@@ -55,9 +55,9 @@ WORLD: Final = "world"  # computed from positions, courses and the chart where a
 class Fact:
     """One fact.
 
-    `compute`, which plugins may give, takes the ship's report, and for a fact of a pair both reports, each with
-    the waters, and returns the value; it must give the same on every ship.  `axioms` are conditions that always
-    hold; a proof may rely on them.
+    `compute`, which plugins may give, takes the ship's report, and for a fact of a pair both reports, each
+    with the waters, and returns the value; it must give the same on every ship.  `axioms` are conditions that
+    always hold; a proof may rely on them.
     """
 
     name: str
@@ -133,7 +133,7 @@ _SHIP: Final = (
     _choice(
         "direction",
         "upbound downbound none",
-        "towards the source, or away from it, by the nominal direction of the waterway and the ship's heading",
+        "towards the source, or away from it, by the nominal direction of the waterway",
         Source.SHARED,
         default="none",
         computed=True,
@@ -308,8 +308,7 @@ MOTIONS: Final[Mapping[str, tuple[Quantity, str]]] = MappingProxyType(
         "speed": (SPEED, "`own.speed`: over ground"),
         "time_to_intersection": (
             TIME,
-            "`own.time_to_intersection`: until the ship reaches the middle of the "
-            "intersection with the other's waterway; negative when past, never if it will not",
+            "`own.time_to_intersection`: until it reaches the middle of the intersection; negative when past",
         ),
     }
 )
@@ -343,11 +342,13 @@ class Vocabulary:
         Raises
         ------
         ValueError
-            If a name is taken.
+            If a name is taken, or a fact is of a kind that only the vocabulary itself has.
         """
         added = tuple(facts)
         known = {(fact.scope, fact.name) for fact in self.facts}
         for fact in added:
+            if fact.kind is Kind.FLAGS:
+                raise ValueError(f"the fact {fact.name!r} has flags; write a fact of its own for each")
             if (fact.scope, fact.name) in known:
                 raise ValueError(f"there is a fact {fact.name!r} of a {fact.scope} already")
             known.add((fact.scope, fact.name))

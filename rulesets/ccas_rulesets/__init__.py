@@ -21,4 +21,4 @@ def ccas_plugin_info() -> PluginInfo:
 @hookimpl
 def ccas_rulesets() -> Iterable[Path]:
     """Return the files of the rulesets that we ship."""
-    return sorted(FOLDER.glob("*.yaml"))
+    return sorted(path for path in FOLDER.glob("*.yaml") if not path.name.endswith(".tests.yaml"))

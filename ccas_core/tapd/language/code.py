@@ -40,7 +40,9 @@ _EXACT_DIFFERENCES: Final = {
     "wx": ("tvx", "ovx"),
     "wy": ("tvy", "ovy"),
 }
+_ON_GRID: Final = frozenset(MOTION[:8])  # a product of these is zero only if one of them is
 _ROUNDING: Final = 2.0**-53
+_SMALLEST: Final = 1e-290  # more than all that is lost where products are too small for a float
 
 Values: TypeAlias = Sequence[Any]
 Decision: TypeAlias = Callable[[Values, Values, Values, Values, Values, list[Any]], bool]
@@ -70,7 +72,7 @@ class Missing:
 
     __eq__ = __ne__ = __lt__ = __le__ = __gt__ = __ge__ = _raise
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __neg__ = __abs__ = _raise
-    __bool__ = __float__ = __contains__ = __hash__ = _raise  # type: ignore[assignment]
+    __bool__ = __float__ = __contains__ = __hash__ = _raise
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +107,7 @@ def exact_sign(polynomial: Polynomial, values: Mapping[str, float]) -> int:
     ratios = {name: _ratio(name, values) for name in names}
     shift = max((denominator.bit_length() - 1 for _, denominator in ratios.values()), default=0)
     whole = {name: top << (shift - bottom.bit_length() + 1) for name, (top, bottom) in ratios.items()}
-    degree = max((len(monomial) for monomial, _ in polynomial.terms), default=0)
+    degree = polynomial.degree
     common = lcm(*(factor.denominator for _, factor in polynomial.terms))
     total = 0
     for monomial, factor in polynomial.terms:
@@ -130,8 +132,7 @@ def rounding_bound(polynomial: Polynomial) -> float:
     Each monomial of degree d is a product of d values, each rounded once, and a factor, rounded once: at most
     2 d + 1 roundings; adding n monomials rounds each at most n - 1 times more.
     """
-    degree = max((len(monomial) for monomial, _ in polynomial.terms), default=0)
-    return 1.01 * (2 * degree + 1 + len(polynomial.terms)) * _ROUNDING
+    return 1.01 * (2 * polynomial.degree + 1 + len(polynomial.terms)) * _ROUNDING
 
 
 class _Writer:
@@ -145,7 +146,7 @@ class _Writer:
         self._signs: dict[Polynomial, str] = {}
         self._shared: dict[Formula, str] = {}
 
-    def expression(self, formula: Formula) -> str:
+    def expression(self, formula: Formula) -> str:  # noqa: PLR0911 - one for each kind of formula
         """Write a formula."""
         match formula:
             case Constant():
@@ -252,6 +253,8 @@ class _Writer:
         values = ", ".join(
             f"{raw!r}: {self._place(raw)}" for name in names for raw in _EXACT_DIFFERENCES.get(name, (name,))
         )
+        on_grid = polynomial.variables <= _ON_GRID
+        sizes = " + ".join(f"abs(a{n})" for n in range(len(terms)))
         self.lines += [
             f"def s{number}(o, t, w, p, k, m):",
             f"    v = m[{slot}]",
@@ -259,10 +262,10 @@ class _Writer:
             *(f"    {local[name]} = {self._place(name)}" for name in names),
             *(f"    a{n} = {term}" for n, term in enumerate(terms)),
             f"    total = {' + '.join(f'a{n}' for n in range(len(terms)))}",
-            f"    bound = {rounding_bound(polynomial)!r} * ({' + '.join(f'abs(a{n})' for n in range(len(terms)))})",
+            f"    bound = {rounding_bound(polynomial)!r} * ({sizes}){'' if on_grid else f' + {_SMALLEST!r}'}",
             "    if total > bound: v = 1",
             "    elif total < -bound: v = -1",
-            "    elif bound == 0.0: v = 0",  # every term is zero, and none is too small for a float
+            *(["    elif bound == 0.0: v = 0"] if on_grid else []),  # no term is too small for a float
             f"    else: v = exact(P[{number}], {{{values}}})",
             f"    m[{slot}] = v",
             "    return v",

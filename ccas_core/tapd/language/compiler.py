@@ -6,71 +6,56 @@ for the ships it is asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from typing import Final, NoReturn, TypeAlias
+from typing import Final, NoReturn
 
 from ...errors import did_you_mean
-from ...quantities import ANGLE, LENGTH, MASS, NUMBER, SPEED, TIME, Quantity
+from ...quantities import ANGLE
 from ..vocabulary import MOTIONS, Fact, Kind, Scope, Vocabulary
 from . import motion, syntax
+from .comparisons import TURNED, compared, is_word, mismatch
+from .dimensions import DIMENSIONS, UNITS, Dimensions
 from .formula import (
     FALSE,
-    NEGATIVE,
-    POSITIVE,
-    ZERO,
-    Before,
     Constant,
     Formula,
     Known,
     Measure,
     Named,
-    Same,
     Test,
     all_of,
     any_of,
+    is_too_large,
     negated,
-    sign,
 )
 from .polynomial import Polynomial, number, variable
 from .syntax import Fault, Span
+from .terms import SHIP_MOTIONS, Amount, Chosen, Literal, Moving, Ship, Value, kind_of, measure_of, shown
 
-Dimensions: TypeAlias = tuple[int, int, int, int]  # powers of m, s, kg, deg
+__all__ = [
+    "BUILT_IN",
+    "DIMENSIONS",
+    "FUNCTIONS",
+    "UNITS",
+    "Compiler",
+    "Definition",
+    "Dimensions",
+    "Parameter",
+]
 
-DIMENSIONS: Final[Mapping[str, Dimensions]] = {
-    NUMBER.name: (0, 0, 0, 0),
-    LENGTH.name: (1, 0, 0, 0),
-    TIME.name: (0, 1, 0, 0),
-    SPEED.name: (1, -1, 0, 0),
-    MASS.name: (0, 0, 1, 0),
-    ANGLE.name: (0, 0, 0, 1),
-}
-_QUANTITY_OF: Final = {
-    dims: quantity
-    for quantity in (NUMBER, LENGTH, TIME, SPEED, MASS, ANGLE)
-    for dims in [DIMENSIONS[quantity.name]]
-}
-UNITS: Final[Mapping[str, tuple[Fraction, Dimensions]]] = {
-    "": (Fraction(1), (0, 0, 0, 0)),
-    "m": (Fraction(1), (1, 0, 0, 0)),
-    "km": (Fraction(1000), (1, 0, 0, 0)),
-    "NM": (Fraction(1852), (1, 0, 0, 0)),
-    "s": (Fraction(1), (0, 1, 0, 0)),
-    "min": (Fraction(60), (0, 1, 0, 0)),
-    "h": (Fraction(3600), (0, 1, 0, 0)),
-    "m/s": (Fraction(1), (1, -1, 0, 0)),
-    "km/h": (Fraction(1000, 3600), (1, -1, 0, 0)),
-    "kn": (Fraction(1852, 3600), (1, -1, 0, 0)),
-    "kg": (Fraction(1), (0, 0, 1, 0)),
-    "t": (Fraction(1000), (0, 0, 1, 0)),
-    "deg": (Fraction(1), (0, 0, 0, 1)),
-}
 FUNCTIONS: Final = ("abs", "bearing", "from_starboard", "known")
+MAX_PARTS: Final = 10_000  # of a condition, with its definitions written out
+MAX_NESTING: Final = 100
+MAX_DEFINITIONS_OPEN: Final = 30  # that ask for one another before they stand in the file
+MAX_FACTORS: Final = 4  # quantities multiplied with one another
+_MOST: Final = Fraction(10**30)
 _PAIR_MOTIONS: Final = ("tcpa", "dcpa", "distance", "course_difference")
-_SHIP_MOTIONS: Final = ("speed", "time_to_intersection")
 _SHIPS: Final = ("own", "other")
+BUILT_IN: Final = (*FUNCTIONS, *_PAIR_MOTIONS, *SHIP_MOTIONS, *_SHIPS, "closing", "waterway", "regime")
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,46 +78,8 @@ class Definition:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Amount:
-    """A number: a polynomial, and what it measures."""
-
-    value: Polynomial
-    dimensions: Dimensions
-
-
-@dataclass(frozen=True, slots=True)
-class _Moving:
-    """A quantity of motion, which can only be compared."""
-
-    name: str
-    ships: tuple[str, ...]
-    dimensions: Dimensions
-
-
-@dataclass(frozen=True, slots=True)
-class _Chosen:
-    """A fact with some words as values."""
-
-    name: str
-    fact: Fact
-
-
-@dataclass(frozen=True, slots=True)
-class _Ship:
-    """One of the two ships."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Literal:
-    """A word that is no name: perhaps a value of a fact."""
-
-    word: str
-
-
-_Value: TypeAlias = Formula | _Amount | _Moving | _Chosen | _Ship | _Literal
+class _EntangledError(Fault):
+    """A fault of definitions that ask for one another: each of them has it."""
 
 
 @dataclass(slots=True)
@@ -169,17 +116,24 @@ class Compiler:
 
     def compiled(self, expression: syntax.Expression, text: str, ships: Mapping[str, str]) -> Formula:
         """Compile an expression in which these names mean these ships."""
-        scope = _Scope(self, text, ships)
-        return scope.formula(expression)
+        formula = _Scope(self, text, ships).formula(expression)
+        if is_too_large(formula, MAX_PARTS, MAX_NESTING):
+            hint = "a definition that asks for others counts for all that they say"
+            expected = f"at most {MAX_PARTS} parts, and {MAX_NESTING} within one another"
+            raise Fault(expression.span, "the condition is too large", expected=expected, hint=hint)
+        return formula
 
     def asked(self, name: str, ships: tuple[str, ...], span: Span) -> Formula:
         """Compile a definition for some ships."""
         self.used.add(name)
         if name in self.broken:
             return FALSE  # told where it stands
+        if len(self._open) > MAX_DEFINITIONS_OPEN:
+            message = f"definitions that ask for one another, more than {MAX_DEFINITIONS_OPEN} deep"
+            raise _EntangledError(span, message, hint="put those that are asked for first")
         if name in self._open:
             ring = " -> ".join([*self._open[self._open.index(name) :], name])
-            raise Fault(span, f"'{name}' is defined by itself: {ring}")
+            raise _EntangledError(span, f"'{name}' is defined by itself: {ring}")
         key = name, ships
         if key not in self._made:
             definition = self.definitions[name]
@@ -187,11 +141,11 @@ class Compiler:
             try:
                 names = _bound(definition.ships, ships or _SHIPS)
                 self._made[key] = self.compiled(definition.expression, definition.text, names)
-            except Fault as fault:
-                if "is defined by itself" in fault.message:
-                    raise Fault(span, fault.message) from None
+            except _EntangledError as fault:
+                raise _EntangledError(span, fault.message, hint=fault.hint) from None
+            except Fault:
                 self.broken.add(name)
-                return FALSE
+                return FALSE  # it is told when the definition itself is compiled
             finally:
                 self._open.pop()
         label = f"{name}({', '.join(ships)})" if ships else name
@@ -215,7 +169,7 @@ class Compiler:
             else:
                 yield fact.name if fact.scope is Scope.PAIR else f"waterway.{fact.name}"
         for ship in _SHIPS:
-            yield from (f"{ship}.{name}" for name in _SHIP_MOTIONS)
+            yield from (f"{ship}.{name}" for name in SHIP_MOTIONS)
         yield from (f"regime.{name}" for name in self.regimes)
 
 
@@ -232,16 +186,16 @@ class _Scope:
     def formula(self, expression: syntax.Expression) -> Formula:
         """Compile what must be a condition."""
         value = self._value(expression)
-        if isinstance(value, _Literal):
+        if isinstance(value, Literal):
             self._unknown(expression.span, value.word)
-        if isinstance(value, _Amount | _Moving | _Chosen | _Ship):
-            hint = "compare it with something" if not isinstance(value, _Ship) else "name one of its facts"
+        if isinstance(value, Amount | Moving | Chosen | Ship):
+            hint = "compare it with something" if not isinstance(value, Ship) else "name one of its facts"
             raise Fault(
-                expression.span, f"{_kind(value)} is no condition", expected="true or false", hint=hint
+                expression.span, f"{kind_of(value)} is no condition", expected="true or false", hint=hint
             )
         return value
 
-    def _value(self, expression: syntax.Expression) -> _Value:
+    def _value(self, expression: syntax.Expression) -> Value:  # noqa: PLR0911 - one for each production
         match expression:
             case syntax.Truth():
                 return Constant(expression.value)
@@ -264,14 +218,14 @@ class _Scope:
                 return self._arithmetic(expression)
             case syntax.Minus():
                 amount = self._amount(expression.part)
-                return _Amount(-amount.value, amount.dimensions)
+                return Amount(-amount.value, amount.dimensions)
 
     # -- names -----------------------------------------------------------------------------------
 
-    def _named(self, span: Span, name: str) -> _Value:
+    def _named(self, span: Span, name: str) -> Value:
         compiler = self._compiler
         if name in self._ships:
-            return _Ship(self._ships[name])
+            return Ship(self._ships[name])
         if name in compiler.definitions:
             wanted = compiler.definitions[name].ships
             if wanted:
@@ -281,21 +235,21 @@ class _Scope:
             return compiler.asked(name, (), span)
         if name in compiler.parameters:
             compiler.used.add(name)
-            return _Amount(variable(f"parameter.{name}"), compiler.parameters[name].dimensions)
+            return Amount(variable(f"parameter.{name}"), compiler.parameters[name].dimensions)
         head, _, tail = name.partition(".")
         if tail:
             return self._owned(span, name, head, tail)
         if name in _PAIR_MOTIONS:
-            return _Moving(name, (), DIMENSIONS[MOTIONS[name][0].name])
+            return Moving(name, (), DIMENSIONS[MOTIONS[name][0].name])
         if name == "closing":
             return Named("closing", motion.closing())
         if fact := compiler.vocabulary.find(Scope.PAIR, name):
             return self._fact(name, fact)
         if name in FUNCTIONS:
             raise Fault(span, f"'{name}' is asked for something", expected=f"{name}(…)")
-        return _Literal(name)
+        return Literal(name)
 
-    def _owned(self, span: Span, name: str, head: str, tail: str) -> _Value:
+    def _owned(self, span: Span, name: str, head: str, tail: str) -> Value:
         """What belongs to a ship or a waterway: `own.length`, `waterway.current`, `regime.tidal`."""
         compiler = self._compiler
         if head == "regime":
@@ -314,20 +268,20 @@ class _Scope:
                 raise Fault(span, f"'{head}' is not a ship here", hint=f"this is asked for: {known}")
             self._unknown(span, name)
         ship = self._ships[head]
-        if tail in _SHIP_MOTIONS:
-            return _Moving(tail, (ship,), DIMENSIONS[MOTIONS[tail][0].name])
+        if tail in SHIP_MOTIONS:
+            return Moving(tail, (ship,), DIMENSIONS[MOTIONS[tail][0].name])
         fact = compiler.vocabulary.find(Scope.SHIP, tail)
         if fact is None:
             self._unknown(span, name)
         return self._fact(f"{ship}.{tail}", fact)
 
     @staticmethod
-    def _fact(name: str, fact: Fact) -> _Value:
+    def _fact(name: str, fact: Fact) -> Value:
         if fact.kind is Kind.FLAG:
             return Test(name, value=True)
         if fact.kind is Kind.NUMBER:
-            return _Amount(variable(name), DIMENSIONS[fact.quantity.name])
-        return _Chosen(name, fact)
+            return Amount(variable(name), DIMENSIONS[fact.quantity.name])
+        return Chosen(name, fact)
 
     def _needs_pair(self, span: Span, name: str) -> None:
         if set(self._ships.values()) != set(_SHIPS):
@@ -348,12 +302,12 @@ class _Scope:
 
     # -- calls -----------------------------------------------------------------------------------
 
-    def _call(self, call: syntax.Call) -> _Value:
+    def _call(self, call: syntax.Call) -> Value:
         if call.name in self._compiler.definitions:
             wanted = self._compiler.definitions[call.name].ships
             return self._compiler.asked(call.name, self._ship_arguments(call, len(wanted)), call.span)
         if call.name == "bearing":
-            return _Moving("bearing", self._two_ships(call), DIMENSIONS[ANGLE.name])
+            return Moving("bearing", self._two_ships(call), DIMENSIONS[ANGLE.name])
         if call.name == "from_starboard":
             one, other = self._two_ships(call)
             return Named(f"from_starboard({one}, {other})", motion.from_starboard(one, other))
@@ -373,7 +327,7 @@ class _Scope:
         ships = []
         for argument in call.arguments:
             value = self._value(argument)
-            if not isinstance(value, _Ship):
+            if not isinstance(value, Ship):
                 raise Fault(argument.span, "this is no ship", expected=" or ".join(self._ships))
             ships.append(value.name)
         return tuple(ships)
@@ -384,64 +338,70 @@ class _Scope:
             raise Fault(call.span, f"'{call.name}' of a ship with itself", expected="two ships")
         return one, other
 
-    def _abs(self, call: syntax.Call) -> _Value:
+    def _abs(self, call: syntax.Call) -> Value:
         value = self._value(call.arguments[0])
-        if len(call.arguments) != 1 or not (isinstance(value, _Moving) and value.name == "bearing"):
+        if len(call.arguments) != 1 or not (isinstance(value, Moving) and value.name == "bearing"):
             raise Fault(call.span, "'abs' takes a bearing", expected="abs(bearing(own, other))")
-        return _Moving("abs", value.ships, value.dimensions)
+        return Moving("abs", value.ships, value.dimensions)
 
     def _known(self, call: syntax.Call) -> Formula:
-        value = self._value(call.arguments[0])
-        name = ""
-        if isinstance(value, Test):
-            name = value.fact
-        elif isinstance(value, _Chosen):
-            name = value.name
-        elif isinstance(value, _Amount) and len(value.value.terms) == 1:
-            name = next(iter(value.value.variables), "")
-        if len(call.arguments) != 1 or not name or name.startswith("parameter."):
-            raise Fault(call.span, "'known' takes one fact", expected="known(own.wind_side)")
-        return Known(name)
+        asked = call.arguments[0]
+        value = self._value(asked)
+        if isinstance(asked, syntax.Word) and len(call.arguments) == 1:
+            if isinstance(value, Literal):
+                self._unknown(asked.span, value.word)
+            if isinstance(value, Test):
+                return Known(value.fact)
+            if isinstance(value, Chosen):
+                return Known(value.name)
+            if isinstance(value, Amount) and asked.name not in self._compiler.parameters:
+                return Known(*value.value.variables)
+        raise Fault(call.span, "'known' takes one fact", expected="known(own.wind_side)")
 
     # -- numbers ---------------------------------------------------------------------------------
 
-    def _number(self, expression: syntax.Number) -> _Amount:
+    def _number(self, expression: syntax.Number) -> Amount:
         if expression.unit not in UNITS:
             hint = did_you_mean(expression.unit, filter(None, UNITS))
             if expression.unit == "rad":
                 hint = "angles are written in degrees: 22.5 deg"
             raise Fault(expression.span, f"unknown unit '{expression.unit}'", hint=hint)
         size, dimensions = UNITS[expression.unit]
-        return _Amount(number(Fraction(expression.digits) * size), dimensions)
+        value = number(Fraction(expression.digits) * size)
+        self._in_measure(expression.span, value)
+        return Amount(value, dimensions)
 
-    def _amount(self, expression: syntax.Expression) -> _Amount:
+    @staticmethod
+    def _in_measure(span: Span, polynomial: Polynomial) -> None:
+        """Refuse factors that floats do not hold when they are multiplied with one another."""
+        if any(not 1 / _MOST <= abs(factor) <= _MOST for _, factor in polynomial.terms):
+            raise Fault(span, "a number beyond all measure", expected="at most 1e30")
+
+    def _amount(self, expression: syntax.Expression) -> Amount:
         value = self._value(expression)
-        if isinstance(value, _Literal):
+        if isinstance(value, Literal):
             self._unknown(expression.span, value.word)
-        if isinstance(value, _Moving):
+        if isinstance(value, Moving):
             hint = "it can be compared, not calculated with"
-            raise Fault(expression.span, f"'{_shown(value)}' is a quantity of motion", hint=hint)
-        if not isinstance(value, _Amount):
-            raise Fault(expression.span, f"{_kind(value)} is no number", expected="a number")
+            raise Fault(expression.span, f"'{shown(value)}' is a quantity of motion", hint=hint)
+        if not isinstance(value, Amount):
+            raise Fault(expression.span, f"{kind_of(value)} is no number", expected="a number")
         return value
 
-    def _arithmetic(self, expression: syntax.Arithmetic) -> _Amount:
+    def _arithmetic(self, expression: syntax.Arithmetic) -> Amount:
         left, right = self._amount(expression.left), self._amount(expression.right)
         if expression.sign == "*":
             sums = zip(left.dimensions, right.dimensions, strict=True)
             one, two, three, four = (a + b for a, b in sums)
-            return _Amount(left.value * right.value, (one, two, three, four))
+            product = left.value * right.value
+            if product.degree > MAX_FACTORS:
+                raise Fault(expression.span, f"a product of more than {MAX_FACTORS} quantities")
+            self._in_measure(expression.span, product)
+            return Amount(product, (one, two, three, four))
         if left.dimensions != right.dimensions:
-            self._mismatch(expression.span, left.dimensions, right.dimensions, "added to")
+            mismatch(expression.span, left.dimensions, right.dimensions, "added to")
         value = left.value + right.value if expression.sign == "+" else left.value - right.value
-        return _Amount(value, left.dimensions)
-
-    def _mismatch(self, span: Span, one: Dimensions, other: Dimensions, verb: str) -> NoReturn:
-        hint = ""
-        if (0, 0, 0, 0) in (one, other):
-            unit = next((u for u, (_, dims) in UNITS.items() if dims in (one, other) and u), "")
-            hint = f"a number needs its unit, such as '{unit}'" if unit else ""
-        raise Fault(span, f"{_measured(one)} is {verb} {_measured(other)}", hint=hint)
+        return Amount(value, left.dimensions)
 
     # -- comparisons -----------------------------------------------------------------------------
 
@@ -456,24 +416,23 @@ class _Scope:
     def _related(
         self, span: Span, left: syntax.Expression, relation: str, right: syntax.Expression
     ) -> Formula:
-        one = _Literal(left.name) if self._is_value_of(left, right) else self._value(left)  # type: ignore[union-attr]
-        other = _Literal(right.name) if self._is_value_of(right, left) else self._value(right)  # type: ignore[union-attr]
-        if isinstance(one, _Literal) and not isinstance(other, _Chosen):
+        one, other = self._side(left, right), self._side(right, left)
+        if isinstance(one, Literal) and not isinstance(other, Chosen):
             self._unknown(left.span, one.word)
-        if isinstance(other, _Literal) and not isinstance(one, _Chosen):
+        if isinstance(other, Literal) and not isinstance(one, Chosen):
             self._unknown(right.span, other.word)
-        if isinstance(one, _Chosen) or isinstance(other, _Chosen):
-            return self._chosen(span, one, relation, other)
-        if isinstance(one, _Moving) or isinstance(other, _Moving):
-            return self._moving(span, one, relation, other)
-        if isinstance(one, _Amount) and isinstance(other, _Amount):
-            if one.dimensions != other.dimensions:
-                self._mismatch(span, one.dimensions, other.dimensions, "compared with")
-            formula = _SIGNS[relation](one.value - other.value)
+        formula = compared(span, one, relation, other, self._compiler)
+        if isinstance(one, Moving) or isinstance(other, Amount):
             return self._told(span, one, relation, other, formula)
-        if isinstance(one, _Amount | _Ship) or isinstance(other, _Amount | _Ship):
-            raise Fault(span, f"{_kind(one)} is compared with {_kind(other)}")
-        return self._equal(span, one, relation, other)
+        if isinstance(other, Moving):
+            return self._told(span, other, TURNED.get(relation, relation), one, formula)
+        return formula
+
+    def _side(self, expression: syntax.Expression, beside: syntax.Expression) -> Value:
+        """One side of a comparison: a word may be a value of the fact on the other side."""
+        if isinstance(expression, syntax.Word) and self._is_value_of(expression, beside):
+            return Literal(expression.name)
+        return self._value(expression)
 
     def _is_value_of(self, word: syntax.Expression, beside: syntax.Expression) -> bool:
         """Whether a word is a value of the fact beside it; it then means that, whatever else has its name."""
@@ -489,124 +448,27 @@ class _Scope:
             fact = find(Scope.WATERWAY if head == "waterway" else Scope.SHIP, tail)
         return fact is not None and word.name in fact.choices
 
-    def _equal(self, span: Span, one: _Value, relation: str, other: _Value) -> Formula:
-        if relation not in ("==", "!="):
-            raise Fault(span, "conditions are not ordered", expected="== or !=")
-        assert not isinstance(one, _Amount | _Moving | _Chosen | _Ship | _Literal)  # noqa: S101
-        assert not isinstance(other, _Amount | _Moving | _Chosen | _Ship | _Literal)  # noqa: S101
-        equal = any_of([all_of([one, other]), all_of([negated(one), negated(other)])])
-        return equal if relation == "==" else negated(equal)
-
-    def _chosen(self, span: Span, one: _Value, relation: str, other: _Value) -> Formula:
-        if relation not in ("==", "!="):
-            raise Fault(span, "words are not ordered", expected="== or !=")
-        if not isinstance(one, _Chosen):
-            one, other = other, one
-        assert isinstance(one, _Chosen)  # noqa: S101
-        if isinstance(other, _Ship) and other.name in one.fact.choices:
-            other = _Literal(other.name)
-        if isinstance(other, _Chosen):
-            if one.fact.choices != other.fact.choices or one.fact.kind is Kind.FLAGS:
-                raise Fault(span, f"'{one.name}' and '{other.name}' have different values")
-            formula: Formula = Same(one.name, other.name)
-        elif isinstance(other, _Literal):
-            formula = self._word(span, one, other.word)
-        else:
-            raise Fault(span, f"'{one.name}' is compared with {_kind(other)}", expected=_choices(one.fact))
-        return formula if relation == "==" else negated(formula)
-
-    @staticmethod
-    def _word(span: Span, chosen: _Chosen, word: str) -> Formula:
-        if chosen.fact.kind is Kind.CHOICE and word not in chosen.fact.choices:
-            hint = did_you_mean(word, chosen.fact.choices)
-            raise Fault(span, f"'{chosen.name}' is never '{word}'", expected=_choices(chosen.fact), hint=hint)
-        if chosen.fact.kind is Kind.FLAGS:
-            raise Fault(span, f"'{chosen.name}' has flags", expected=f"{chosen.fact.name}.{word}")
-        return Test(chosen.name, word)
-
     def _membership(self, expression: syntax.Membership) -> Formula:
         value = self._value(expression.value)
-        if isinstance(value, _Literal):
+        if isinstance(value, Literal):
             self._unknown(expression.value.span, value.word)
-        if not isinstance(value, _Chosen):
+        if not isinstance(value, Chosen):
             raise Fault(
-                expression.value.span, f"{_kind(value)} is not among words", expected="a fact with words"
+                expression.value.span, f"{kind_of(value)} is not among words", expected="a fact with words"
             )
-        found = any_of(self._word(word.span, value, word.name) for word in expression.words)
+        found = any_of(
+            is_word(word.span, value, self._ships.get(word.name, word.name)) for word in expression.words
+        )
         return negated(found) if expression.negated else found
 
-    def _moving(self, span: Span, one: _Value, relation: str, other: _Value) -> Formula:
-        if not isinstance(one, _Moving):
-            turned = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
-            return self._moving(span, other, turned.get(relation, relation), one)
-        dimensions = other.dimensions if isinstance(other, _Moving | _Amount) else None
-        if dimensions is None:
-            raise Fault(span, f"'{_shown(one)}' is compared with {_kind(other)}")
-        if dimensions != one.dimensions:
-            self._mismatch(span, one.dimensions, dimensions, "compared with")
-        if relation in ("==", "!="):
-            raise Fault(span, f"'{_shown(one)}' is hardly ever equal", expected="<, <=, > or >=")
-        if isinstance(other, _Moving):
-            formula = self._two_motions(span, one, relation, other)
-        elif one.name == "time_to_intersection":
-            formula = _before(f"{one.ships[0]}.{one.name}", relation, other.value)  # type: ignore[union-attr]
-        else:
-            assert isinstance(other, _Amount)  # noqa: S101
-            formula = self._limited(span, one, relation, other.value)
-        return self._told(span, one, relation, other, formula)
-
-    def _two_motions(self, span: Span, one: _Moving, relation: str, other: _Moving) -> Formula:
-        if one.name == other.name == "speed":
-            squares = [
-                motion.dot(motion.VELOCITY[each.ships[0]], motion.VELOCITY[each.ships[0]])
-                for each in (one, other)
-            ]
-            return _SIGNS[relation](squares[0] - squares[1])
-        if one.name == other.name == "time_to_intersection":
-            return _before(f"{one.ships[0]}.{one.name}", relation, f"{other.ships[0]}.{other.name}")
-        raise Fault(span, f"'{_shown(one)}' is compared with '{_shown(other)}'", expected="a limit")
-
-    def _limited(self, span: Span, one: _Moving, relation: str, limit: Polynomial) -> Formula:
-        if one.name in _LENGTHS:
-            return motion.compared(_LENGTHS[one.name](), relation, limit)
-        if one.name == "speed":
-            return motion.compared(motion.speed(one.ships[0]), relation, limit)
-        return motion.compared(self._angle(span, one), relation, limit)
-
-    def _angle(self, span: Span, one: _Moving) -> motion.Quantity:
-        if one.name == "course_difference":
-            a, b = motion.VELOCITY["own"], motion.VELOCITY["other"]
-        else:
-            a, b = motion.VELOCITY[one.ships[0]], motion.line_of_sight(one.ships[0])
-        beyond = motion.turned_beyond if one.name == "bearing" else motion.angle_beyond
-
-        def exceeds(strict: bool) -> Callable[[Polynomial], Formula]:  # noqa: FBT001
-            return lambda limit: beyond(a, b, self._angle_limit(span, limit), strict=strict)
-
-        return motion.Quantity(above=exceeds(True), at_least=exceeds(False))  # noqa: FBT003
-
-    def _angle_limit(self, span: Span, limit: Polynomial) -> motion.AngleLimit:
-        degrees = self._compiler.value_of(limit)
-        if degrees is None:
-            raise Fault(span, "an angle is compared with a fact", expected="a limit in degrees")
-        acute = abs(degrees) if abs(degrees) < 90 else 180 - abs(degrees)
-        if limit.constant is not None or acute in (0, 90):
-            return motion.AngleLimit(degrees, number(motion.tangent(acute) if 0 < acute < 90 else 0))
-        part = limit if degrees > 0 else -limit
-        part = part if abs(degrees) < 90 else number(180) - part
-        name = f"tangent({_written(part)})"
-        self._compiler.tangents[name] = part
-        return motion.AngleLimit(degrees, variable(name))
-
-    def _told(
-        self, span: Span, one: _Amount | _Moving, relation: str, other: _Value, formula: Formula
-    ) -> Formula:
+    def _told(self, span: Span, one: Value, relation: str, other: Value, formula: Formula) -> Formula:
         """Remember how a comparison was written, and what it measures."""
-        text = self._written(span)
+        assert isinstance(one, Amount | Moving)  # noqa: S101
+        assert isinstance(other, Amount | Moving)  # noqa: S101
         measure = Measure(
-            quantity=_measure_of(one), relation=relation, limit=_measure_of(other), dimensions=one.dimensions
+            quantity=measure_of(one), relation=relation, limit=measure_of(other), dimensions=one.dimensions
         )
-        return Named(text, formula, measure)
+        return Named(self._written(span), formula, measure)
 
     def _written(self, span: Span) -> str:
         """Text of a comparison, with the ships that the names of a definition stand for here."""
@@ -618,59 +480,4 @@ class _Scope:
 
 
 def _renamed(text: str, name: str, ship: str) -> str:
-    import re
-
     return re.sub(rf"(?<![\w.\0]){name}(?=[.,)])", ship, text)
-
-
-_LENGTHS: Final = {"tcpa": motion.tcpa, "dcpa": motion.dcpa, "distance": motion.distance}
-_SIGNS: Final[Mapping[str, Callable[[Polynomial], Formula]]] = {
-    "<": lambda difference: sign(difference, NEGATIVE),
-    "<=": lambda difference: sign(difference, NEGATIVE, ZERO),
-    ">": lambda difference: sign(difference, POSITIVE),
-    ">=": lambda difference: sign(difference, ZERO, POSITIVE),
-    "==": lambda difference: sign(difference, ZERO),
-    "!=": lambda difference: sign(difference, NEGATIVE, POSITIVE),
-}
-
-
-def _before(one: str, relation: str, other: str | Polynomial) -> Formula:
-    if relation in ("<", "<="):
-        return Before(one, other, strict=relation == "<")
-    return negated(Before(one, other, strict=relation == ">="))
-
-
-def _kind(value: _Value) -> str:
-    if isinstance(value, _Amount | _Moving):
-        return _measured(value.dimensions)
-    if isinstance(value, _Chosen):
-        return f"'{value.name}', which has words for values,"
-    if isinstance(value, _Ship):
-        return "a ship"
-    return f"'{value.word}'" if isinstance(value, _Literal) else "a condition"
-
-
-def _measured(dimensions: Dimensions) -> str:
-    quantity: Quantity | None = _QUANTITY_OF.get(dimensions)
-    return quantity.name if quantity else "a product of quantities"
-
-
-def _shown(value: _Moving) -> str:
-    if value.name in _SHIP_MOTIONS:
-        return f"{value.ships[0]}.{value.name}"
-    return f"{value.name}({', '.join(value.ships)})" if value.ships else value.name
-
-
-def _choices(fact: Fact) -> str:
-    return f"one of {', '.join(fact.choices)}" if fact.choices else "a word"
-
-
-def _written(polynomial: Polynomial) -> str:
-    return " + ".join("*".join([str(factor), *monomial]) for monomial, factor in polynomial.terms)
-
-
-def _measure_of(value: _Value) -> tuple[str, ...] | Polynomial:
-    if isinstance(value, _Amount):
-        return value.value
-    assert isinstance(value, _Moving)  # noqa: S101
-    return (value.name, *value.ships)

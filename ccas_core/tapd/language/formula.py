@@ -15,7 +15,6 @@ from typing import Final, TypeAlias
 from .polynomial import Polynomial, canonical, mirrored_name
 
 SHIP_VALUES: Final = {"own": "other", "other": "own"}  # values of facts that name a ship of the pair
-NAMES_A_SHIP: Final = frozenset({"overtaker", "has_other_on_starboard"})
 NEGATIVE, ZERO, POSITIVE = -1, 0, 1
 _SHIP_WORD: Final = re.compile(r"\b(?:own|other)\b")
 
@@ -163,7 +162,7 @@ def mirrored(formula: Formula) -> Formula:
     """The same formula with the two ships swapped."""
     if isinstance(formula, Test):
         value = formula.value
-        if formula.fact in NAMES_A_SHIP and isinstance(value, str):
+        if "." not in formula.fact and isinstance(value, str):  # a fact of the pair may name a ship
             value = SHIP_VALUES.get(value, value)
         return Test(mirrored_name(formula.fact), value)
     if isinstance(formula, Same):
@@ -223,6 +222,22 @@ def walk(formula: Formula) -> Iterator[Formula]:
     elif isinstance(formula, And | Or):
         for part in formula.parts:
             yield from walk(part)
+
+
+def is_too_large(formula: Formula, parts: int, nesting: int) -> bool:
+    """Whether a formula has more parts than this, or deeper ones; what is shared counts each time."""
+    left = [(formula, 1)]
+    count = 0
+    while left:
+        part, depth = left.pop()
+        count += 1
+        if count > parts or depth > nesting:
+            return True
+        if isinstance(part, Not | Named):
+            left.append((part.part, depth + 1))
+        elif isinstance(part, And | Or):
+            left += [(each, depth + 1) for each in part.parts]
+    return False
 
 
 def facts_of(formula: Formula) -> frozenset[str]:

@@ -9,8 +9,7 @@ a x b = a_north b_east - a_east b_north (positive where b lies clockwise of a):
 
 No division, root or arc tangent is left, so that the sign can be decided exactly, and proved about.  An
 angle enters by its tangent, rounded once to a fraction (`tangent`): that fraction is the definition.
-TCPA without relative motion is never; an angle of a ship at rest is on neither side of any limit, and counts
-as not beyond it.
+TCPA without relative motion is never; an angle at a ship at rest is 0, for it has no course.
 """
 
 from __future__ import annotations
@@ -175,12 +174,10 @@ def turned_beyond(a: Vector, b: Vector, limit: AngleLimit, *, strict: bool) -> F
     if limit.degrees > 0 or (limit.degrees == 0 and strict):
         beyond = angle_beyond(a, b, limit, strict=strict)
         return all_of([starboard, beyond])
-    ahead = all_of([sign(across, ZERO), _positive(along)])
     if limit.degrees == 0:
-        return any_of([starboard, ahead])
+        return _not_negative(across)
     mirror = AngleLimit(-limit.degrees, limit.tangent)
-    within = negated(angle_beyond(a, b, mirror, strict=not strict))
-    return all_of([_moves(a, b), any_of([starboard, ahead, within])])
+    return any_of([starboard, negated(angle_beyond(a, b, mirror, strict=not strict))])
 
 
 def from_starboard(own: str, other: str) -> Formula:

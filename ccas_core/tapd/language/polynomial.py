@@ -54,6 +54,11 @@ class Polynomial:
         """Names of all variables."""
         return frozenset(name for monomial, _ in self.terms for name in monomial)
 
+    @property
+    def degree(self) -> int:
+        """Greatest number of variables that are multiplied with one another."""
+        return max((len(monomial) for monomial, _ in self.terms), default=0)
+
     def evaluated(self, values: Mapping[str, _N], number: Callable[[Fraction], _N]) -> _N:
         """Value where the variables have these values, with numbers of any kind that add and multiply."""
         total = number(Fraction(0))

@@ -17,6 +17,7 @@ from typing import Final, NoReturn, TypeAlias
 
 MAX_LENGTH: Final = 4000  # letters of a condition
 MAX_DEPTH: Final = 60  # nested parentheses, negations and calls
+MAX_DIGITS: Final = 40  # letters of a number
 
 RELATIONS: Final = ("<=", ">=", "==", "!=", "<", ">")
 _KEYWORDS: Final = frozenset({"and", "or", "not", "in", "true", "false"})
@@ -38,7 +39,7 @@ class Span:
     end: int
 
 
-class Fault(Exception):
+class Fault(Exception):  # noqa: N818 - it is caught, and becomes a finding
     """What is wrong with a condition, and where in its text."""
 
     def __init__(self, span: Span, message: str, *, expected: str = "", hint: str = "") -> None:
@@ -154,7 +155,7 @@ def parse(text: str) -> Expression:
     """
     if len(text) > MAX_LENGTH:
         raise Fault(Span(0, 1), f"a condition of {len(text)} letters", expected=f"at most {MAX_LENGTH}")
-    return _Parser(_tokens(text), len(text)).whole()
+    return _Parser(_tokens(text)).whole()
 
 
 def is_name(text: str) -> bool:
@@ -189,6 +190,8 @@ def _tokens(text: str) -> list[_Token]:
                 raise Fault(
                     Span(at, glued.end()), f"'{word}' is not a number", hint=_apart(match[0], glued[0])
                 )
+            if len(match[0]) > MAX_DIGITS or re.search(r"[eE][+-]?\d{3}", match[0]):
+                raise Fault(Span(at, end), "a number beyond all measure", expected="at most 1e30")
             following = _UNIT.match(text, end)
             if following and following[1] not in _KEYWORDS:
                 unit, end = following[1], following.end()
@@ -206,8 +209,8 @@ def _apart(digits: str, word: str) -> str:
 class _Parser:
     """Reads tokens from left to right; each method reads what it is named after."""
 
-    def __init__(self, tokens: list[_Token], length: int) -> None:
-        self._tokens, self._length = tokens, length
+    def __init__(self, tokens: list[_Token]) -> None:
+        self._tokens = tokens
         self._at = 0
         self._depth = 0
 

@@ -15,12 +15,16 @@ Truth = bool | None  # None: not known
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A part of a condition, its value, and what it is made of."""
+    """A part of a condition, its value, and what it is made of.
+
+    What is negated has the parts of what it negates.
+    """
 
     text: str
     value: Truth
     measure: Measure | None
     parts: tuple[Finding, ...]
+    formula: Formula
 
     def leaves(self) -> Iterator[Finding]:
         """All parts that are not made of others."""
@@ -44,11 +48,11 @@ def examine(formula: Formula, decide: Callable[[Formula], Truth], say: Callable[
     """
     match formula:
         case Constant():
-            return Finding(str(formula.value).lower(), formula.value, None, ())
+            return Finding(str(formula.value).lower(), formula.value, None, (), formula)
         case Not():
             part = examine(formula.part, decide, say)
             value = None if part.value is None else not part.value
-            return Finding(f"not {part.text}", value, part.measure, part.parts)
+            return Finding(f"not {part.text}", value, part.measure, part.parts, formula)
         case And() | Or():
             parts = tuple(examine(part, decide, say) for part in formula.parts)
             conjunctive = isinstance(formula, And)
@@ -56,12 +60,14 @@ def examine(formula: Formula, decide: Callable[[Formula], Truth], say: Callable[
             value = (
                 (not conjunctive) if (not conjunctive) in values else None if None in values else conjunctive
             )
-            return Finding("all of" if conjunctive else "one of", value, None, parts)
+            return Finding("all of" if conjunctive else "one of", value, None, parts, formula)
         case Named():
             if formula.measure is not None:
-                return Finding(formula.name, decide(formula.part), formula.measure, ())
+                return Finding(formula.name, decide(formula.part), formula.measure, (), formula)
             inner = examine(formula.part, decide, say)
-            parts = inner.parts or ((inner,) if inner.text != formula.name else ())
-            return Finding(formula.name, inner.value, None, parts)
+            parts = inner.parts if isinstance(formula.part, And | Or) else (inner,)
+            return Finding(
+                formula.name, inner.value, None, parts if inner.text != formula.name else (), formula
+            )
         case _:
-            return Finding(say(formula), decide(formula), None, ())
+            return Finding(say(formula), decide(formula), None, (), formula)
