@@ -1,9 +1,10 @@
 """What must be impossible if a ruleset is sound, as formulas without a solver.
 
-Each statement is a conjunction that no two ships can fulfil.  The formulas are kept in one table, in which equal parts
-are one: signs of polynomials and facts at the bottom, `and`, `or`, `not` above.  Polynomials are in the frame of own
-ship: it sails along the first axis (`ovx` >= 0, `ovy` = 0), and the other's velocity is own plus `w`.  That loses
-nothing, for all of them are the same whichever way the ships are turned, which is checked for each (`unturned`).
+Each statement is a conjunction that no two ships can fulfil.  The formulas are kept in one table, in which
+equal parts are one: signs of polynomials and facts at the bottom, `and`, `or`, `not` above.  Polynomials are
+in the frame of own ship: it sails along the first axis (`ovx` >= 0, `ovy` = 0), and the other's velocity is
+own plus `w`.  That loses nothing, for all of them are the same whichever way the ships are turned, which is
+checked for each (`unturned`).
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ _DERIVED: Final = frozenset({"geometry", "overtaker", "has_other_on_starboard", 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """Something that must be impossible: the property that needs it, in words, and its parts, which cannot all hold."""
+    """Something that must be impossible: for which property, in words, and parts that cannot all hold."""
 
     property: str
     title: str
@@ -69,7 +70,7 @@ class Statement:
 
 @dataclass(slots=True)
 class Table:
-    """Formulas by number; polynomials by number; facts with words, and facts of which it is asked if they are known."""
+    """Formulas and polynomials by number; facts with words; facts of which it is asked if they are known."""
 
     nodes: list[Node] = field(default_factory=list)
     polynomials: list[Polynomial] = field(default_factory=list)
@@ -84,6 +85,10 @@ class Table:
             self._numbers[node] = len(self.nodes)
             self.nodes.append(node)
         return self._numbers[node]
+
+    def place(self, polynomial: Polynomial) -> int | None:
+        """Number of a polynomial; None if it does not occur."""
+        return self._polynomials.get(polynomial)
 
     def true(self) -> int:
         """What always holds."""
@@ -343,18 +348,23 @@ class Statements:
             rule = place.rule
             if place.swapped or rule.python:
                 continue
-            said = duty(rule.outcome, swapped=False)
             if rule.outcome.kind is Says.CONFLICT:
                 title = f"rule '{rule.id}' finds the regulation at odds with itself"
                 yield Statement(property="consistent", title=title, parts=tuple(self._decides(place)))
-            elif mirrored and turned(said) != said:
-                again = Place(place.index, rule, swapped=True)
-                parts = (self._applies(again), *self._decides(place))
-                yield Statement(
-                    property="consistent", title=f"rule '{rule.id}' applies both ways round", parts=parts
-                )
+            elif mirrored:
+                yield from self._both_ways(place)
         if not mirrored:
             yield from self._unmirrored()
+
+    def _both_ways(self, place: Place) -> Iterator[Statement]:
+        """That a rule, or two branches of one, apply both ways round, and do not fit."""
+        said = duty(place.rule.outcome, swapped=False)
+        for again in self._places:
+            fits = turned(duty(again.rule.outcome, swapped=False)) == said
+            if again.swapped and again.rule.id == place.rule.id and not fits:
+                title = f"rule '{place.rule.id}' applies both ways round"
+                parts = (self._applies(again), *self._decides(place))
+                yield Statement(property="consistent", title=title, parts=parts)
 
     def _unmirrored(self) -> Iterator[Statement]:
         for one in self._places:
