@@ -1,17 +1,18 @@
 """Certificates made: why statements about a ruleset are impossible, so that anybody can verify it by arithmetic.
 
-The solver proposes facts and signs that would fulfil a statement; linear arithmetic over monomials refutes the signs,
-and the least part of them that it takes becomes a lemma, whose multipliers come from a small linear system
-(`certificate_check` says what they mean).  When no more is proposed, the statement is impossible.  What needs
-more than linear arithmetic has no certificate.
+The solver proposes facts and signs that would fulfil a statement.  Linear arithmetic over monomials refutes the
+signs, or nonlinear arithmetic does; the least part of them that it takes becomes a lemma, whose factors come from
+a small linear system (`certificate_check` says what they mean).  When no more is proposed, the statement is
+impossible.  What takes products of more than two signs has no certificate.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,10 +20,11 @@ import z3
 
 from ..tapd.language.polynomial import Monomial, Polynomial
 from ..tapd.written import WrittenRuleset
-from .certificate_check import RELATIONS, SCHEMA, Covered, Lemma, clause_of, digest, verify
+from .certificate_check import RELATIONS, SCHEMA, Covered, Lemma, Part, clause_of, digest, verify
 from .clauses import Coding
 from .solver import Budget
 from .statements import TRUE_NODE, Statement, Statements
+from .symbols import real_term
 
 MOST_ROUNDS: Final = 400  # of proposals for one statement
 BUDGET: Final = 60.0  # for a certificate [s]
@@ -66,12 +68,13 @@ def _written(lemma: Lemma) -> dict[str, Any]:
             {
                 "polynomial": [[str(factor), list(monomial)] for monomial, factor in polynomial.terms],
                 "relation": relation,
-                "times": str(times),
             }
-            for (polynomial, relation), times in zip(lemma.signs, lemma.multipliers, strict=True)
+            for polynomial, relation in lemma.signs
         ],
-        "squares": [{"monomial": list(m), "times": str(times)} for m, times in lemma.squares.items()],
-        "constant": str(lemma.constant),
+        "parts": [
+            {"times": str(part.times), "of": list(part.of), "monomial": list(part.monomial)}
+            for part in lemma.parts
+        ],
     }
 
 
@@ -87,12 +90,14 @@ class _Maker:
     lemmas: list[Lemma] = field(default_factory=list)
     _coding: Coding = field(init=False)
     _linear: Any = field(init=False)
+    _nonlinear: Any = field(init=False)
     _asserted: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self._coding = Coding(self.statements.table)
-        self._linear = z3.SimpleSolver()
+        self._linear, self._nonlinear = z3.SimpleSolver(), z3.SimpleSolver()
         self._linear.set("timeout", _LIMIT)
+        self._nonlinear.set("timeout", _LIMIT // 2)
 
     def proof(self, statement: Statement) -> dict[str, Any] | None:
         """Parts and lemmas by which a statement is impossible; None if linear arithmetic does not show it."""
@@ -169,29 +174,51 @@ class _Maker:
         return list(found)
 
     def _refuted(self, signs: Sequence[Signed]) -> Lemma | None:
-        """The least part of some signs that linear arithmetic refutes, as a lemma."""
-        names = {f"{place} {relation}": (place, relation) for place, relation in signs}
+        """The least part of some signs that arithmetic refutes, as a lemma."""
         for place in {place for place, _ in signs} - self._asserted:
             self._assert(place)
-        if self._linear.check(*map(z3.Bool, names)) != z3.unsat:
-            return None
-        core = [str(each) for each in self._linear.unsat_core()]
-        for name in list(core):
-            fewer = [each for each in core if each != name]
-            if self._linear.check(*map(z3.Bool, fewer)) == z3.unsat:
-                core = fewer
-        table = self.statements.table
-        return multiplied([(table.polynomials[names[each][0]], names[each][1]) for each in core])
+        names = {f"{place} {relation}": (place, relation) for place, relation in signs}
+        for solver, products in ((self._linear, False), (self._nonlinear, True)):
+            core = _least(solver, list(names))
+            if core is None:
+                continue
+            if (
+                lemma := multiplied(self._joined([names[each] for each in core]), products=products)
+            ) is not None:
+                return lemma
+        return None
+
+    def _joined(self, signs: Sequence[Signed]) -> list[tuple[Polynomial, str]]:
+        """Signs with their polynomials; at least zero and at most zero is zero."""
+        polynomials = self.statements.table.polynomials
+        zero = {place for place, relation in signs if relation == ">=" and (place, "<=") in signs}
+        joined = dict.fromkeys((place, "=" if place in zero else relation) for place, relation in signs)
+        return [(polynomials[place], relation) for place, relation in joined]
 
     def _assert(self, place: int) -> None:
         self._asserted.add(place)
         polynomial = self.statements.table.polynomials[place]
-        value = _linear_term(polynomial)
-        said = {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}
-        for relation, meaning in said.items():
-            self._linear.add(z3.Implies(z3.Bool(f"{place} {relation}"), meaning))
+        for solver, value in (
+            (self._linear, _linear_term(polynomial)),
+            (self._nonlinear, real_term(polynomial)),
+        ):
+            said = {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}
+            for relation, meaning in said.items():
+                solver.add(z3.Implies(z3.Bool(f"{place} {relation}"), meaning))
         for monomial in _squares([polynomial]):
             self._linear.add(z3.Real("*".join(monomial)) >= 0)
+
+
+def _least(solver: Any, names: list[str]) -> list[str] | None:
+    """Names of conditions that a solver refutes, none of which can be left out; None if it refutes nothing."""
+    if solver.check(*map(z3.Bool, names)) != z3.unsat:
+        return None
+    core = [str(each) for each in solver.unsat_core()]
+    for name in list(core):
+        fewer = [each for each in core if each != name]
+        if solver.check(*map(z3.Bool, fewer)) == z3.unsat:
+            core = fewer
+    return core
 
 
 def _relations(wanted: frozenset[int], sign: int) -> tuple[str, ...]:
@@ -207,39 +234,64 @@ def _relations(wanted: frozenset[int], sign: int) -> tuple[str, ...]:
     return by_signs[wanted]
 
 
-def multiplied(signs: Sequence[tuple[Polynomial, str]]) -> Lemma | None:
-    """Find the multipliers with which some signs contradict one another; None if there are none."""
+def multiplied(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Lemma | None:
+    """Find the factors with which some signs contradict one another; None if there are none.
+
+    With `products`, signs are also multiplied by one another and by squares.
+    """
+    parts = list(dict.fromkeys(_parts(signs, products=products)))
+    bare = Lemma(signs=tuple(signs), parts=())
     solver = z3.SimpleSolver()
     solver.set("timeout", _LIMIT)
-    squares = _squares(polynomial for polynomial, _ in signs)
-    factors = [z3.Real(f"a{n}") for n in range(len(signs))]
-    weights = [z3.Real(f"b{n}") for n in range(len(squares))]
-    constant = z3.Real("c")
-    solver.add(*(each >= 0 for each in (*factors, *weights, constant)))
-    sums: dict[Monomial, list[Any]] = {(): [constant]}
-    for (polynomial, relation), factor in zip(signs, factors, strict=True):
-        for monomial, coefficient in polynomial.terms:
-            turned = coefficient * RELATIONS[relation][0]
-            sums.setdefault(monomial, []).append(z3.RatVal(turned.numerator, turned.denominator) * factor)
-    for monomial, weight in zip(squares, weights, strict=True):
-        sums.setdefault(monomial, []).append(weight)
-    solver.add(*(z3.Sum(each) == 0 for each in sums.values()))
-    strict = [f for f, (_, relation) in zip(factors, signs, strict=True) if RELATIONS[relation][1]]
-    solver.add(z3.Sum([constant, *strict]) == 1)
+    sums: dict[Monomial, list[Any]] = {}
+    strict = []
+    for n, part in enumerate(parts):
+        factor = z3.Real(f"a{n}")
+        relations = [signs[each][1] for each in part.of]
+        if "=" not in relations:
+            solver.add(factor >= 0)
+        if not part.monomial and all(RELATIONS[relation][1] for relation in relations):
+            strict.append(factor)
+        for monomial, coefficient in bare.product(part).terms:
+            term = z3.RatVal(coefficient.numerator, coefficient.denominator) * factor
+            sums.setdefault(monomial, []).append(term)
+    solver.add(*(z3.Sum(each) == 0 for each in sums.values()), z3.Sum(strict) == 1)
     if solver.check() != z3.sat:
         return None
     model = solver.model()
+    found = [replace(part, times=_value(model, z3.Real(f"a{n}"))) for n, part in enumerate(parts)]
+    return Lemma(signs=tuple(signs), parts=tuple(part for part in found if part.times))
 
-    def value(term: Any) -> Fraction:
-        found = model.eval(term, model_completion=True)
-        return Fraction(found.numerator_as_long(), found.denominator_as_long())
 
-    return Lemma(
-        signs=tuple(signs),
-        multipliers=tuple(map(value, factors)),
-        squares={m: value(w) for m, w in zip(squares, weights, strict=True) if value(w)},
-        constant=value(constant),
-    )
+def _parts(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Iterator[Part]:
+    """Terms that may be in a lemma."""
+    one = Fraction(1)
+    yield Part(times=one)
+    for square in _squares(polynomial for polynomial, _ in signs):
+        yield Part(times=one, monomial=square)
+    for n in range(len(signs)):
+        yield Part(times=one, of=(n,))
+    if not products:
+        return
+    names = sorted({name for polynomial, _ in signs for name in polynomial.variables})
+    small = [(name,) for name in names] + list(combinations_with_replacement(names, 2))
+    for monomial in small:
+        yield Part(times=one, monomial=tuple(sorted(monomial + monomial)))
+    for n, (_, relation) in enumerate(signs):
+        for monomial in small:
+            yield Part(
+                times=one, of=(n,), monomial=monomial if relation == "=" else tuple(sorted(monomial * 2))
+            )
+    for pair in combinations_with_replacement(range(len(signs)), 2):
+        yield Part(times=one, of=pair)
+        if "=" not in (signs[pair[0]][1], signs[pair[1]][1]):
+            for name in names:
+                yield Part(times=one, of=pair, monomial=(name, name))
+
+
+def _value(model: Any, term: Any) -> Fraction:
+    found = model.eval(term, model_completion=True)
+    return Fraction(found.numerator_as_long(), found.denominator_as_long())
 
 
 def _squares(polynomials: Iterable[Polynomial]) -> list[Monomial]:

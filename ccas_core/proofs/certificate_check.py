@@ -1,15 +1,13 @@
 """Certificates verified: with fractions and a small search, and without any solver.
 
 A certificate says which statements about a ruleset are impossible, and why: lemmas, each a few signs of
-polynomials that cannot hold together, with a multiplier for each of them; and for each statement the parts and
-the lemmas that it takes.  The statements are made anew from the ruleset; of the certificate only lemmas are used.
+polynomials that cannot hold together; and for each statement the parts and the lemmas that it takes.  The
+statements are made anew from the ruleset; of the certificate only the lemmas are used.
 
-A lemma is verified as an identity.  With q the polynomials, turned so that each is claimed to be at least zero, and
-s squares of monomials, which are never negative,
-
-    sum of a q + sum of b s + c = 0     a, b, c >= 0
-
-cannot be if c > 0, or if a > 0 for a q that is claimed to be greater than zero.
+A lemma is verified as an identity.  Its polynomials are turned so that each is claimed to be greater than
+zero, at least zero, or zero.  Then a sum of terms, each a factor >= 0 times some of these polynomials times the
+square of a monomial, cannot be identically zero if one of the terms is greater than zero.  A term that has a
+polynomial which is claimed to be zero may have any factor and any monomial.
 """
 
 from __future__ import annotations
@@ -17,7 +15,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Final
@@ -30,7 +28,8 @@ from .clauses import Clause, Coding, TooLong, possible
 from .statements import Statement, Statements
 
 SCHEMA: Final = "ccas/certificate@1"
-RELATIONS: Final = {">": (1, True), ">=": (1, False), "<": (-1, True), "<=": (-1, False)}
+# How a polynomial is turned, and whether it then is greater than zero, or only at least zero.
+RELATIONS: Final = {">": (1, True), ">=": (1, False), "<": (-1, True), "<=": (-1, False), "=": (1, False)}
 
 
 class CertificateError(InputError):
@@ -57,34 +56,46 @@ class Covered:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A term of a lemma: a factor, some of its signs by number, and a monomial."""
+
+    times: Fraction
+    of: tuple[int, ...] = ()
+    monomial: Monomial = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Lemma:
-    """Signs that cannot hold together, with their multipliers, squares with theirs, and the constant left over."""
+    """Signs that cannot hold together, for these terms of theirs add to nothing."""
 
     signs: tuple[tuple[Polynomial, str], ...]
-    multipliers: tuple[Fraction, ...]
-    squares: Mapping[Monomial, Fraction] = field(default_factory=dict)
-    constant: Fraction = Fraction(0)
+    parts: tuple[Part, ...]
 
     @property
     def fault(self) -> str:
         """What is wrong with it; nothing if it holds."""
-        factors = [*self.multipliers, *self.squares.values(), self.constant]
-        if any(each < 0 for each in factors) or len(self.multipliers) != len(self.signs):
-            return "a multiplier is negative or missing"
-        total = number(self.constant)
-        for (polynomial, relation), factor in zip(self.signs, self.multipliers, strict=True):
-            total = total + polynomial * number(factor * RELATIONS[relation][0])
-        for monomial, factor in self.squares.items():
-            if any(monomial.count(name) % 2 for name in monomial):
-                return f"{'*'.join(monomial)} is no square"
-            total = total + _product(monomial) * number(factor)
+        total = Polynomial(())
+        strict = False
+        for part in self.parts:
+            relations = [self.signs[n][1] for n in part.of]
+            if "=" not in relations:
+                if part.times < 0:
+                    return "a factor is negative"
+                if any(part.monomial.count(name) % 2 for name in part.monomial):
+                    return f"{'*'.join(part.monomial)} is no square"
+            strict |= part.times > 0 and not part.monomial and all(RELATIONS[r][1] for r in relations)
+            total = total + self.product(part) * number(part.times)
         if total.terms:
-            return "the combination is not identically zero"
-        strict = any(
-            factor > 0 and RELATIONS[relation][1]
-            for (_, relation), factor in zip(self.signs, self.multipliers, strict=True)
-        )
-        return "" if strict or self.constant > 0 else "nothing in it is greater than zero: no contradiction"
+            return "its terms do not add to nothing"
+        return "" if strict else "none of its terms is greater than zero: no contradiction"
+
+    def product(self, part: Part) -> Polynomial:
+        """A term without its factor."""
+        product = _product(part.monomial)
+        for n in part.of:
+            polynomial, relation = self.signs[n]
+            product = product * polynomial * number(RELATIONS[relation][0])
+        return product
 
 
 def _product(monomial: Monomial) -> Polynomial:
@@ -157,13 +168,13 @@ def _verify(statements: Statements, statement: Statement, told: Any, lemmas: lis
 
 def clause_of(coding: Coding, statements: Statements, lemma: Lemma) -> Clause:
     """That one of the signs of a lemma does not hold."""
-    literals = []
+    literals: list[int] = []
     for polynomial, relation in lemma.signs:
         place = statements.table.place(polynomial)
         if place is None:
             raise _refused("a lemma is about a polynomial that the ruleset does not ask for")
         up, down = coding.positive(place), coding.negative(place)
-        literals.append({">": -up, "<": -down, ">=": down, "<=": up}[relation])
+        literals += {">": (-up,), "<": (-down,), ">=": (down,), "<=": (up,), "=": (up, down)}[relation]
     return tuple(literals)
 
 
@@ -182,14 +193,20 @@ def _read(certificate: str) -> Any:
 
 def _lemma(told: Any, place: int) -> Lemma:
     try:
-        lemma = Lemma(
-            signs=tuple((_polynomial(each["polynomial"]), each["relation"]) for each in told["signs"]),
-            multipliers=tuple(Fraction(each["times"]) for each in told["signs"]),
-            squares={tuple(each["monomial"]): Fraction(each["times"]) for each in told["squares"]},
-            constant=Fraction(told["constant"]),
+        signs = tuple((_polynomial(each["polynomial"]), str(each["relation"])) for each in told["signs"])
+        parts = tuple(
+            Part(
+                times=Fraction(each["times"]),
+                of=tuple(int(n) for n in each["of"]),
+                monomial=tuple(str(name) for name in each["monomial"]),
+            )
+            for each in told["parts"]
         )
+        if any(n < 0 for part in parts for n in part.of):
+            raise IndexError("a sign that is not there")
+        lemma = Lemma(signs=signs, parts=parts)
         fault = lemma.fault
-    except (KeyError, TypeError, ValueError, ZeroDivisionError) as error:
+    except (LookupError, TypeError, ValueError, ZeroDivisionError) as error:
         raise _refused(f"lemma {place} cannot be read: {error}") from None
     if fault:
         raise _refused(f"lemma {place} does not hold: {fault}")
