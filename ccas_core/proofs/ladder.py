@@ -9,57 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
 
 import z3
 
-from ..tapd.rules import Mirror, Outcome, Policy, Rule
-from ..verdict import OPPOSITE, Kind
+from ..tapd.rules import Mirror, Policy
+from ..verdict import Kind
+from .duties import NOTHING, Duty, Place, duty, turned
 from .symbols import Term, View
-
-Duty: TypeAlias = tuple[Any, ...]  # what a verdict makes the ships do; equal where nothing differs for them
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A rule as it is written, or swapped."""
-
-    index: int
-    rule: Rule
-    swapped: bool
-
-    @property
-    def kind(self) -> Kind:
-        """Kind of own ship's verdict."""
-        kind = self.rule.outcome.kind
-        return OPPOSITE.get(kind, kind) if self.swapped else kind
-
-
-def duty(outcome: Outcome, *, swapped: bool) -> Duty:
-    """What a verdict of own ship's view amounts to: kind, who begins, side and who chooses it.
-
-    >>> duty(Outcome(kind=Kind.GIVE_WAY), swapped=True)[0]
-    <Kind.STAND_ON: 'stand_on'>
-    """
-    kind = OPPOSITE.get(outcome.kind, outcome.kind) if swapped else outcome.kind
-    begins = swapped if outcome.kind in (Kind.COOPERATE, Kind.PROHIBITED) else None
-    chooses = outcome.side_chosen_by
-    chosen = None if chooses is None else (chooses == "own") is not swapped
-    return kind, begins, outcome.passing_side, chosen
-
-
-def turned(one: Duty) -> Duty:
-    """The duty that the other ship's view must have to fit."""
-    kind, begins, side, chosen = one
-    return (
-        OPPOSITE.get(kind, kind),
-        None if begins is None else not begins,
-        side,
-        None if chosen is None else not chosen,
-    )
-
-
-NOTHING: Duty = (Kind.NONE, None, None, None)
 
 
 @dataclass(eq=False)
@@ -133,3 +89,6 @@ class Ladder:
 def ladders(view: View) -> tuple[Ladder, Ladder]:
     """The ladder from both sides."""
     return Ladder(view), Ladder(view.swapped)
+
+
+__all__ = ["NOTHING", "Duty", "Ladder", "Place", "duty", "ladders", "turned"]

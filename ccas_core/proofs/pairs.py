@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import z3
 
 from ..tapd.case_run import run_case
 from ..tapd.coverage import reached
-from ..tapd.language.formula import Formula
-from ..tapd.rules import Mirror, Rule
+from ..tapd.language.formula import Formula, Test
+from ..tapd.rules import Mirror, Policy, Rule
+from ..tapd.rules import Outcome as Said
 from ..tapd.written import WrittenRuleset
 from ..verdict import Kind, Verdict, agree
 from .findings import Fault, Finding, Outcome
@@ -58,10 +59,17 @@ class Tally:
             notes=tuple(self.notes),
         )
 
-    def ask(self, questions: Questions, terms: list[Term], goal: Goal, fault: Callable[[], Fault]) -> Found:
-        """Ask one question; ships that come of it make a fault."""
+    def ask(
+        self,
+        questions: Questions,
+        terms: list[Term],
+        goal: Goal,
+        fault: Callable[[], Fault],
+        probe: WrittenRuleset | None = None,
+    ) -> Found:
+        """Ask one question; ships that come of it make a fault.  A probe judges in place of the ruleset."""
         self.questions += 1
-        found, method, ships = questions.settled(terms, goal)
+        found, method, ships = questions.settled(terms, goal, (probe, probe) if probe else None)
         if found is Found.IMPOSSIBLE:
             self.methods.add(method)
         elif ships is not None:
@@ -127,9 +135,11 @@ def _both_ways(tally: Tally, questions: Questions, place: Place, other_way: Plac
         tally.questions += 1
         tally.methods.add(quick)
         return
-    tally.ask(
-        questions, [*apply, before], lambda one, two: bool(agree(one, two)) and one.rule == rule.id, fault
-    )
+
+    def shown(one: Verdict, two: Verdict) -> bool:
+        return one.rule == rule.id and (bool(agree(one, two)) or one.kind is Kind.CONFLICT)
+
+    tally.ask(questions, [*apply, before], shown, fault)
 
 
 def _unmirrored(tally: Tally, questions: Questions, own: Ladder, other: Ladder) -> None:
@@ -225,6 +235,7 @@ def no_dead_rule(questions: Questions) -> Finding:
         found, method, ships = questions.settled(
             [own.decides(place)],
             lambda one, two, rule=rule: rule.id in (one.rule, two.rule),  # type: ignore[misc]
+            enough=1,
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' can never decide", rules=(rule,), kind="dead rule")
@@ -254,7 +265,7 @@ def no_irrelevant_rule(questions: Questions) -> Finding:
         tally.questions += 1
         mutant = ruleset.mutated(place.index, negated=False)
         found, method, ships = questions.settled(
-            [own.decides(place), z3.Or(other)], _differs_without(rule), rulesets=(ruleset, mutant)
+            [own.decides(place), z3.Or(other)], _differs_without(rule), rulesets=(ruleset, mutant), enough=1
         )
         if found is Found.IMPOSSIBLE:
             fault = Fault(title=f"rule '{rule.id}' changes nothing", rules=(rule,), kind="irrelevant rule")
@@ -333,8 +344,17 @@ def mirror_sound(questions: Questions) -> Finding:
             terms,
             _seen_differently,
             lambda title=title: Fault(title=title, kind="contradiction"),  # type: ignore[misc]
+            recognising(questions.rulesets[0]),
         )
     return tally.finding("mirror_sound")
+
+
+def recognising(ruleset: WrittenRuleset) -> WrittenRuleset:
+    """The same ruleset without its rules, but for one that tells whether there is a risk of collision."""
+    text = ruleset.text
+    said = Said(kind=Kind.MUTUAL)
+    risk = replace(text.rules[0], condition=Test("risk_of_collision", value=True), outcome=said, python="")
+    return ruleset.with_text(replace(text, rules=(risk,), policy=Policy.FIRST, mirror=Mirror.NONE))
 
 
 def _met(questions: Questions) -> Term:
@@ -343,7 +363,8 @@ def _met(questions: Questions) -> Term:
 
 
 def _seen_differently(one: Verdict, two: Verdict) -> bool:
-    same = (one.geometry, one.overtaker, one.has_other_on_starboard) == (
+    same = (one.kind, one.geometry, one.overtaker, one.has_other_on_starboard) == (
+        two.kind,
         two.geometry,
         two.overtaker,
         two.has_other_on_starboard,
@@ -371,7 +392,9 @@ def domain_not_empty(questions: Questions) -> Finding:
     risk = questions.own.view.derived("risk_of_collision", value=True)
     tally.questions += 1
     found, method, ships = questions.settled(
-        [risk, _met(questions)], lambda one, _two: one.geometry != "none" and one.reason != "no_risk"
+        [risk, _met(questions)],
+        lambda one, _two: one.geometry != "none" and one.reason != "no_risk",
+        enough=1,
     )
     if found is Found.IMPOSSIBLE:
         tally.faults.append(Fault(title="no two ships of the domain are ever at risk", kind="empty domain"))

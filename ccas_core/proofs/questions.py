@@ -12,11 +12,13 @@ import z3
 from ..tapd.language.motion import dot
 from ..tapd.language.polynomial import Polynomial, number, variable
 from ..tapd.rules import Domain, RulesetText
-from ..tapd.vocabulary import Kind, Scope
+from ..tapd.vocabulary import Scope
 from ..tapd.written import WrittenRuleset
 from .ladder import Ladder
-from .search import A, B, Facts, Goal, Ships, find, suggested
+from .placing import Placing
+from .search import ENOUGH, A, B, Goal, Ships
 from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonlinear
+from .statements import bounded_below
 from .symbols import Symbols, Term, View, constants_of
 
 ATTEMPTS: Final = 2  # models whose facts are tried
@@ -98,21 +100,15 @@ class Questions:
         terms: Sequence[Term],
         goal: Goal,
         rulesets: tuple[WrittenRuleset, WrittenRuleset] | None = None,
+        enough: int = ENOUGH,
     ) -> tuple[Found, str, Ships | None]:
         """Decide whether terms can hold together: proved that they cannot, or ships that show that they can.
 
         The cheap questions come first, and ships are looked for as soon as there are facts to try.  They
-        are judged by `rulesets`, if these are not those of the question.
+        are judged by `rulesets`, if these are not those of the question; `enough` as in `search.find`.
         """
-        tried: list[Facts] = []
-
-        def ships(answer: Answer) -> Ships | None:
-            facts = suggested(self.rulesets[0].text, answer)
-            if facts in tried or self.budget.spent or answer.found is not Found.POSSIBLE:
-                return None
-            tried.append(facts)
-            return find(rulesets or self.rulesets, facts, goal)
-
+        placing = Placing(self.symbols, self.budget, rulesets or self.rulesets, goal, enough, self.free)
+        ships = placing.ships
         asked = [*terms, *self.domain()]
         answer = ask_linear(self.symbols, asked, self.budget)
         if answer.impossible:
@@ -137,6 +133,8 @@ class Questions:
                 return Found.IMPOSSIBLE, answer.method, None
             if (found := ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
+        if (found := placing.with_velocities([*asked, *inside])) is not None:
+            return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None
 
@@ -148,7 +146,7 @@ def bounds_of(text: RulesetText, symbols: Symbols) -> list[Term]:
     for name in sorted(asked):
         owner, _, fact = name.partition(".")
         known = text.vocabulary.find(Scope.SHIP, fact)
-        if owner not in (A, B) or known is None or known.kind is not Kind.NUMBER:
+        if owner not in (A, B) or known is None or not bounded_below(known):
             continue
         low, high = text.domain.length if fact == "length" else (0, None)
         found.append(symbols.sign(variable(name) - number(low), frozenset({0, 1})))

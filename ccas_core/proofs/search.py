@@ -9,9 +9,10 @@ moved in any of eight directions before the fault is gone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -20,7 +21,8 @@ from ..ships import ShipId
 from ..sim.case_scenario import USUAL_LENGTH, beam_of
 from ..tapd.case_run import pair_facts
 from ..tapd.cases import Case, CaseShip
-from ..tapd.rules import RulesetText
+from ..tapd.language.polynomial import Polynomial
+from ..tapd.rules import Domain, RulesetText
 from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
@@ -54,10 +56,20 @@ class Facts:
     ships: Mapping[str, Mapping[str, Any]]
     waterway: Mapping[str, Any]
     pair: Mapping[str, Any]
+    times: Mapping[ShipId, float] = field(default_factory=dict)  # to a junction, if that is on a chart [s]
+
+    def at_a_junction(self) -> Facts:
+        """The same, the times to the junction stated, as a chart would show them."""
+        return replace(self, pair={**self.pair, "time_to_intersection": dict(self.times)})
 
 
-def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) -> Facts:
-    """Facts of a model, by ship; what it leaves open has its default."""
+def suggested(
+    text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B), atoms: Iterable[Polynomial] = ()
+) -> Facts:
+    """Facts of a model, by ship; what it leaves open has its default.
+
+    `atoms` are the polynomials whose signs are asked for: numbers are rounded as far as these allow.
+    """
     by_ship: dict[str, dict[str, Any]] = {ship: {"length": USUAL_LENGTH} for ship in ships}
     waterway: dict[str, Any] = {}
     pair: dict[str, Any] = {}
@@ -74,26 +86,41 @@ def suggested(text: RulesetText, answer: Answer, ships: Sequence[str] = (A, B)) 
             by_ship[owner][fact] = word or value
         elif "-" in owner:
             pair[fact] = value
-    for name, number in answer.numbers.items():
+    for name, value in _written_numbers(text, answer.numbers, atoms).items():
         owner, _, fact = name.partition(".")
-        known = text.vocabulary.find(Scope.SHIP, fact)
-        if name.endswith((".beam", ".weight")) and number <= 0:
-            continue  # no ship is so; it has a usual one
-        if owner in by_ship and known is not None and known.kind is Kind.NUMBER and "*" not in name:
-            by_ship[owner][fact] = _round(number, fact)
+        if not (fact in ("beam", "weight") and value <= 0.0):  # no ship is so; it has a usual one
+            (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = value
     for stated in by_ship.values():
         stated.setdefault("beam", beam_of(stated["length"]))
+    times = {
+        ShipId(ship): float(answer.numbers[f"{ship}.time_to_intersection"])
+        for ship in ships
+        if f"{ship}.time_to_intersection" in answer.numbers
+    }
     if regimes:
         waterway["regime"] = " ".join(sorted(regimes))
-    return Facts(by_ship, waterway, pair)
+    return Facts(by_ship, waterway, pair, times)
 
 
-def _round(value: Fraction, fact: str) -> float:
-    """A number as people write it, on the same side of every whole number."""
-    if value.denominator == 1:
-        return float(value)
-    near = Fraction(round(value * 2), 2)
-    return float(near if fact != "passengers_max" and math.floor(near) == math.floor(value) else value)
+def _written_numbers(
+    text: RulesetText, numbers: Mapping[str, Fraction], atoms: Iterable[Polynomial]
+) -> dict[str, float]:
+    """Numbers of facts as people write them, if that changes no condition on facts; else as they are."""
+    exact = {}
+    for name, value in numbers.items():
+        owner, _, fact = name.partition(".")
+        known = text.vocabulary.find(Scope.WATERWAY if owner == "waterway" else Scope.SHIP, fact)
+        if known is not None and known.kind is Kind.NUMBER and "*" not in name:
+            exact[name] = value
+    near = {name: Fraction(round(value * 2), 2) for name, value in exact.items()}
+    asked = [each for each in atoms if each.variables and each.variables <= exact.keys()]
+    same = all(_sign(each, exact) == _sign(each, near) for each in asked)
+    return {name: float(value) for name, value in (near if same else exact).items()}
+
+
+def _sign(polynomial: Polynomial, values: Mapping[str, Fraction]) -> int:
+    value = polynomial.evaluated(values, Fraction)
+    return (value > 0) - (value < 0)
 
 
 def case_of(
@@ -120,9 +147,16 @@ def judged(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> tuple
 
 
 def meetings(
-    rng: np.random.Generator, speeds: tuple[float, float], separation: float, count: int
+    rng: np.random.Generator,
+    speeds: tuple[float, float],
+    separation: float,
+    count: int,
+    wanted: Sequence[float] = (),
 ) -> Iterator[dict[str, tuple[float, float, float, float]]]:
-    """Two ships that come near one another: head-on, overtaking, crossing, parallel, or just anyhow."""
+    """Two ships that come near one another: head-on, overtaking, crossing, parallel, or just anyhow.
+
+    `wanted` are speeds of which one is often taken.
+    """
     for n in range(count):
         kind = n % 6
         course = float(rng.integers(0, 360))
@@ -134,16 +168,26 @@ def meetings(
             4: float(rng.integers(20, 161)) * rng.choice((-1.0, 1.0)),
             5: float(rng.integers(0, 360)),
         }[kind]
-        placed = _pair(rng, course if kind != 3 else 0.0, float(turn), speeds, separation)
+        placed = _pair(rng, course if kind != 3 else 0.0, float(turn), speeds, separation, wanted)
         if placed is not None:
             yield placed
 
 
 def _pair(
-    rng: np.random.Generator, course: float, turn: float, speeds: tuple[float, float], separation: float
+    rng: np.random.Generator,
+    course: float,
+    turn: float,
+    speeds: tuple[float, float],
+    separation: float,
+    wanted: Sequence[float],
 ) -> dict[str, tuple[float, float, float, float]] | None:
     low, high = math.ceil(2.0 * speeds[0]), math.floor(2.0 * speeds[1])
-    own, other = (float(rng.integers(low, high + 1)) / 2.0 for _ in range(2))
+    own, other = (
+        float(rng.choice(wanted))
+        if wanted and rng.random() < 0.5
+        else float(rng.integers(low, high + 1)) / 2.0
+        for _ in range(2)
+    )
     courses = (course % 360.0, (course + turn) % 360.0)
     relative = math.hypot(
         other * math.cos(courses[1] * DEGREE) - own * math.cos(courses[0] * DEGREE),
@@ -170,24 +214,68 @@ def find(
     goal: Goal,
     seed: int = 0,
     tries: int = TRIES,
+    enough: int = ENOUGH,
+    wanted: Sequence[float] = (),
 ) -> Ships | None:
-    """Find ships with these facts that reach a goal; None if none of the tries does."""
+    """Find ships with these facts that reach a goal; None if none of the tries does.
+
+    The search ends with `enough` of them; `wanted` are speeds worth trying.
+    """
     domain = rulesets[0].text.domain
     speeds = (float(domain.speed[0]), float(domain.speed[1]))
-    rng = np.random.default_rng(seed)
+    places = meetings(np.random.default_rng(seed), speeds, float(domain.separation), tries, wanted)
+    return widest(rulesets, (case_of(facts, each) for each in places), goal, enough)
+
+
+def widest(
+    rulesets: tuple[WrittenRuleset, WrittenRuleset], cases: Iterable[Case], goal: Goal, enough: int = ENOUGH
+) -> Ships | None:
+    """Of the first cases that reach a goal the one with the widest margin; None if none does.
+
+    Where one is enough, it is taken as it is: that there are such ships is all that is asked.
+    """
     hits: list[Ships] = []
-    for places in meetings(rng, speeds, float(domain.separation), tries):
-        case = case_of(facts, places)
+    for case in cases:
         if (verdicts := _reaches(rulesets, case, goal)) is not None:
             hits.append(Ships(case=case, verdicts=verdicts, margin=0.0))
-            if len(hits) == ENOUGH:
+            if len(hits) == enough:
                 break
-    if not hits:
-        return None
+    if not hits or enough == 1:
+        return hits[0] if hits else None
     best = max(
         (replace(hit, margin=margin(rulesets, hit.case, goal)) for hit in hits), key=lambda h: h.margin
     )
     return _plain(rulesets, best, goal)
+
+
+def telling_speeds(atoms: Iterable[Polynomial], domain: Domain) -> tuple[float, ...]:
+    """Speeds at and between those that conditions compare with; none, where speeds are compared with none."""
+    limits = set()
+    for atom in atoms:
+        terms = dict(atom.terms)
+        square = terms.pop(("A.vx", "A.vx"), None)
+        if square is not None and terms.keys() == {()} and terms[()] * square < 0:
+            limits.add(math.sqrt(-terms[()] / square))
+    inside = sorted(each for each in limits if domain.speed[0] <= each <= domain.speed[1])
+    if not inside:
+        return ()
+    ends = [float(domain.speed[0]), *inside, float(domain.speed[1])]
+    return tuple(sorted({*inside, *((low + high) / 2.0 for low, high in pairwise(ends))}))
+
+
+def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, float, float, float]]]:
+    """Places of a model of two ships, A at the origin: rounded, and as they are; none outside the domain."""
+    names = ("A.vx", "w.x", "w.y", "B.x", "B.y")
+    if not all(name in answer.numbers for name in names[1:]):
+        return
+    own, wx, wy, north, east = (float(answer.numbers.get(name, 0)) for name in names)
+    speed, course = math.hypot(own + wx, wy), math.degrees(math.atan2(wy, own + wx)) % 360.0
+    for digits in (0, 1, 2, 12):
+        pose = tuple(round(each, digits) for each in (north, east, course))
+        speeds = tuple(round(each, max(digits, 1)) for each in (own, speed))
+        within = all(float(domain.speed[0]) <= each <= float(domain.speed[1]) for each in speeds)
+        if within and math.hypot(*pose[:2]) >= float(domain.separation):
+            yield {A: (0.0, 0.0, 0.0, speeds[0]), B: (pose[0], pose[1], pose[2], speeds[1])}
 
 
 def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships:

@@ -21,7 +21,7 @@ from .language.code import MOTION, Missing
 from .ruleset import PairRuleset
 from .vocabulary import Scope, Vocabulary
 
-_PARALLEL: Final = math.sin(math.radians(22.5))
+PARALLEL: Final = math.sin(math.radians(22.5))
 _ALWAYS: Final = ("kind", "give_way", "stand_on", "pass", "strength")  # compared wherever they are stated
 _STRICT: Final = (
     "side_chosen_by",
@@ -140,7 +140,7 @@ def crossing_time(own: tuple[float, float, float], speed: float, other: tuple[fl
     Negative when past; never, where the courses are within 22.5 deg of parallel: that is one waterway.
     """
     across = math.sin(other[2] - own[2])
-    if abs(across) < _PARALLEL or speed <= STOPPED:
+    if abs(across) < PARALLEL or speed <= STOPPED:
         return math.inf
     north, east = other[0] - own[0], other[1] - own[1]
     return (north * math.sin(other[2]) - east * math.cos(other[2])) / across / speed

@@ -1,0 +1,317 @@
+"""Certificates made: why statements about a ruleset are impossible, so that anybody can verify it by arithmetic.
+
+The solver proposes facts and signs that would fulfil a statement.  Linear arithmetic over monomials refutes the
+signs, or nonlinear arithmetic does; the least part of them that it takes becomes a lemma, whose factors come from
+a small linear system (`certificate_check` says what they mean).  When no more is proposed, the statement is
+impossible.  What takes products of more than two signs has no certificate.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any, Final
+
+import z3
+
+from ..tapd.language.polynomial import Monomial, Polynomial
+from ..tapd.written import WrittenRuleset
+from .certificate_check import RELATIONS, SCHEMA, Covered, Lemma, Part, clause_of, digest, verify
+from .clauses import Coding
+from .solver import Budget
+from .statements import TRUE_NODE, Statement, Statements
+from .symbols import real_term
+
+MOST_ROUNDS: Final = 400  # of proposals for one statement
+BUDGET: Final = 60.0  # for a certificate [s]
+_LIMIT: Final = 2000  # for one question to the solver [ms]
+
+
+def write_certificate(
+    ruleset: WrittenRuleset, path: str | Path, budget: float = BUDGET
+) -> tuple[Covered, ...]:
+    """Write the certificate of a ruleset, and verify it; what it covers of each property, and what it does not."""
+    text = certificate(ruleset, budget)
+    covered = verify(text, ruleset)
+    Path(path).write_text(text, encoding="utf-8")
+    return covered
+
+
+def certificate(ruleset: WrittenRuleset, budget: float = BUDGET) -> str:
+    """The certificate of a ruleset, as JSON."""
+    text = ruleset.text
+    statements = Statements(text)
+    maker = _Maker(statements, Budget(budget))
+    told = [found for each in statements.all if (found := maker.proof(each)) is not None]
+    used = sorted({n for each in told for n in each["lemmas"]})
+    places = {n: place for place, n in enumerate(used)}
+    for each in told:
+        each["lemmas"] = [places[n] for n in each["lemmas"]]
+    document = {
+        "schema": SCHEMA,
+        "ruleset": text.id,
+        "version": text.version,
+        "digest": digest(text),
+        "lemmas": [_written(maker.lemmas[n]) for n in used],
+        "statements": told,
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False) + "\n"
+
+
+def _written(lemma: Lemma) -> dict[str, Any]:
+    return {
+        "signs": [
+            {
+                "polynomial": [[str(factor), list(monomial)] for monomial, factor in polynomial.terms],
+                "relation": relation,
+            }
+            for polynomial, relation in lemma.signs
+        ],
+        "parts": [
+            {"times": str(part.times), "of": list(part.of), "monomial": list(part.monomial)}
+            for part in lemma.parts
+        ],
+    }
+
+
+Signed = tuple[int, str]  # a polynomial of the table, and its relation to zero
+
+
+@dataclass(slots=True)
+class _Maker:
+    """Makes proofs of statements; lemmas are shared."""
+
+    statements: Statements
+    budget: Budget
+    lemmas: list[Lemma] = field(default_factory=list)
+    _coding: Coding = field(init=False)
+    _linear: Any = field(init=False)
+    _nonlinear: Any = field(init=False)
+    _asserted: set[int] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._coding = Coding(self.statements.table)
+        self._linear, self._nonlinear = z3.SimpleSolver(), z3.SimpleSolver()
+        self._linear.set("timeout", _LIMIT)
+        self._nonlinear.set("timeout", _LIMIT // 2)
+
+    def proof(self, statement: Statement) -> dict[str, Any] | None:
+        """Parts and lemmas by which a statement is impossible; None if linear arithmetic does not show it."""
+        solver = z3.SimpleSolver()
+        solver.set("timeout", _LIMIT)
+        solver.set("random_seed", 0)
+        meaning, literals = self._coding.meaning(statement.parts)
+        solver.add(*map(_clause, meaning))
+        for n, literal in enumerate(literals):
+            solver.add(z3.Implies(z3.Bool(f"part {n}"), _term(literal)))
+        solver.add(*(self._lemma_term(n, lemma) for n, lemma in enumerate(self.lemmas)))
+        for _ in range(MOST_ROUNDS):
+            if self.budget.spent:
+                return None
+            lemmas = [z3.Bool(f"lemma {n}") for n in range(len(self.lemmas))]
+            parts = [z3.Bool(f"part {n}") for n in range(len(statement.parts))]
+            outcome = solver.check(*parts, *lemmas)
+            if outcome == z3.unsat:
+                core = {str(each) for each in solver.unsat_core()}
+                return {
+                    "property": statement.property,
+                    "title": statement.title,
+                    "parts": [n for n in range(len(parts)) if f"part {n}" in core],
+                    "lemmas": [n for n in range(len(lemmas)) if f"lemma {n}" in core],
+                }
+            if outcome != z3.sat:
+                return None
+            lemma = self._refuted(self._supporting(solver.model(), statement.parts))
+            if lemma is None:
+                return None
+            self.lemmas.append(lemma)
+            solver.add(self._lemma_term(len(self.lemmas) - 1, lemma))
+        return None
+
+    def _literal(self, part: int) -> int:
+        kind, *rest = node = self.statements.table.nodes[part]
+        if kind == "not":
+            return -self._literal(int(str(rest[0])))
+        return self._coding.literal(node if kind == "flag" else ("node", part))
+
+    def _lemma_term(self, n: int, lemma: Lemma) -> Any:
+        clause = clause_of(self._coding, self.statements, lemma)
+        return z3.Implies(z3.Bool(f"lemma {n}"), _clause(clause))
+
+    def _supporting(self, model: Any, parts: Iterable[int]) -> list[Signed]:
+        """Signs that a model needs for the parts to hold."""
+        coding, nodes = self._coding, self.statements.table.nodes
+        found: dict[Signed, None] = {}
+
+        def true(literal: int) -> bool:
+            value = z3.is_true(model.eval(z3.Bool(f"v{abs(literal)}"), model_completion=True))
+            return value is (literal > 0)
+
+        def support(number: int, *, holds: bool) -> None:
+            kind, *rest = nodes[number]
+            if kind == "not":
+                support(int(str(rest[0])), holds=not holds)
+            elif kind == "and":
+                children = [int(str(each)) for each in rest]
+                if holds:
+                    for child in children:
+                        support(child, holds=True)
+                else:
+                    support(next(c for c in children if not true(self._literal(c))), holds=False)
+            elif kind == "sign":
+                place, *signs = (int(str(each)) for each in rest)
+                wanted = frozenset(signs) if holds else frozenset({-1, 0, 1}) - frozenset(signs)
+                sign = 1 if true(coding.positive(place)) else -1 if true(coding.negative(place)) else 0
+                found.update(dict.fromkeys((place, relation) for relation in _relations(wanted, sign)))
+
+        for part in parts:
+            if nodes[part] != TRUE_NODE:
+                support(part, holds=True)
+        return list(found)
+
+    def _refuted(self, signs: Sequence[Signed]) -> Lemma | None:
+        """The least part of some signs that arithmetic refutes, as a lemma."""
+        for place in {place for place, _ in signs} - self._asserted:
+            self._assert(place)
+        names = {f"{place} {relation}": (place, relation) for place, relation in signs}
+        for solver, products in ((self._linear, False), (self._nonlinear, True)):
+            core = _least(solver, list(names))
+            if core is None:
+                continue
+            if (
+                lemma := multiplied(self._joined([names[each] for each in core]), products=products)
+            ) is not None:
+                return lemma
+        return None
+
+    def _joined(self, signs: Sequence[Signed]) -> list[tuple[Polynomial, str]]:
+        """Signs with their polynomials; at least zero and at most zero is zero."""
+        polynomials = self.statements.table.polynomials
+        zero = {place for place, relation in signs if relation == ">=" and (place, "<=") in signs}
+        joined = dict.fromkeys((place, "=" if place in zero else relation) for place, relation in signs)
+        return [(polynomials[place], relation) for place, relation in joined]
+
+    def _assert(self, place: int) -> None:
+        self._asserted.add(place)
+        polynomial = self.statements.table.polynomials[place]
+        for solver, value in (
+            (self._linear, _linear_term(polynomial)),
+            (self._nonlinear, real_term(polynomial)),
+        ):
+            said = {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}
+            for relation, meaning in said.items():
+                solver.add(z3.Implies(z3.Bool(f"{place} {relation}"), meaning))
+        for monomial in _squares([polynomial]):
+            self._linear.add(z3.Real("*".join(monomial)) >= 0)
+
+
+def _least(solver: Any, names: list[str]) -> list[str] | None:
+    """Names of conditions that a solver refutes, none of which can be left out; None if it refutes nothing."""
+    if solver.check(*map(z3.Bool, names)) != z3.unsat:
+        return None
+    core = [str(each) for each in solver.unsat_core()]
+    for name in list(core):
+        fewer = [each for each in core if each != name]
+        if solver.check(*map(z3.Bool, fewer)) == z3.unsat:
+            core = fewer
+    return core
+
+
+def _relations(wanted: frozenset[int], sign: int) -> tuple[str, ...]:
+    """What must be said of a polynomial of a sign, so that it has one of some signs."""
+    by_signs = {
+        frozenset({1}): (">",),
+        frozenset({-1}): ("<",),
+        frozenset({0}): (">=", "<="),
+        frozenset({0, 1}): (">=",),
+        frozenset({-1, 0}): ("<=",),
+        frozenset({-1, 1}): (">",) if sign > 0 else ("<",),
+    }
+    return by_signs[wanted]
+
+
+def multiplied(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Lemma | None:
+    """Find the factors with which some signs contradict one another; None if there are none.
+
+    With `products`, signs are also multiplied by one another and by squares.
+    """
+    parts = list(dict.fromkeys(_parts(signs, products=products)))
+    bare = Lemma(signs=tuple(signs), parts=())
+    solver = z3.SimpleSolver()
+    solver.set("timeout", _LIMIT)
+    sums: dict[Monomial, list[Any]] = {}
+    strict = []
+    for n, part in enumerate(parts):
+        factor = z3.Real(f"a{n}")
+        relations = [signs[each][1] for each in part.of]
+        if "=" not in relations:
+            solver.add(factor >= 0)
+        if not part.monomial and all(RELATIONS[relation][1] for relation in relations):
+            strict.append(factor)
+        for monomial, coefficient in bare.product(part).terms:
+            term = z3.RatVal(coefficient.numerator, coefficient.denominator) * factor
+            sums.setdefault(monomial, []).append(term)
+    solver.add(*(z3.Sum(each) == 0 for each in sums.values()), z3.Sum(strict) == 1)
+    if solver.check() != z3.sat:
+        return None
+    model = solver.model()
+    found = [replace(part, times=_value(model, z3.Real(f"a{n}"))) for n, part in enumerate(parts)]
+    return Lemma(signs=tuple(signs), parts=tuple(part for part in found if part.times))
+
+
+def _parts(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Iterator[Part]:
+    """Terms that may be in a lemma."""
+    one = Fraction(1)
+    yield Part(times=one)
+    for square in _squares(polynomial for polynomial, _ in signs):
+        yield Part(times=one, monomial=square)
+    for n in range(len(signs)):
+        yield Part(times=one, of=(n,))
+    if not products:
+        return
+    names = sorted({name for polynomial, _ in signs for name in polynomial.variables})
+    small = [(name,) for name in names] + list(combinations_with_replacement(names, 2))
+    for monomial in small:
+        yield Part(times=one, monomial=tuple(sorted(monomial + monomial)))
+    for n, (_, relation) in enumerate(signs):
+        for monomial in small:
+            yield Part(
+                times=one, of=(n,), monomial=monomial if relation == "=" else tuple(sorted(monomial * 2))
+            )
+    for pair in combinations_with_replacement(range(len(signs)), 2):
+        yield Part(times=one, of=pair)
+        if "=" not in (signs[pair[0]][1], signs[pair[1]][1]):
+            for name in names:
+                yield Part(times=one, of=pair, monomial=(name, name))
+
+
+def _value(model: Any, term: Any) -> Fraction:
+    found = model.eval(term, model_completion=True)
+    return Fraction(found.numerator_as_long(), found.denominator_as_long())
+
+
+def _squares(polynomials: Iterable[Polynomial]) -> list[Monomial]:
+    monomials = {monomial for polynomial in polynomials for monomial, _ in polynomial.terms if monomial}
+    return sorted(each for each in monomials if all(each.count(name) % 2 == 0 for name in each))
+
+
+def _linear_term(polynomial: Polynomial) -> Any:
+    return z3.Sum(
+        [
+            z3.RatVal(factor.numerator, factor.denominator) * (z3.Real("*".join(monomial)) if monomial else 1)
+            for monomial, factor in polynomial.terms
+        ]
+    )
+
+
+def _term(literal: int) -> Any:
+    flag = z3.Bool(f"v{abs(literal)}")
+    return flag if literal > 0 else z3.Not(flag)
+
+
+def _clause(clause: Sequence[int]) -> Any:
+    return z3.Or([_term(literal) for literal in clause])
