@@ -1,15 +1,15 @@
-"""Certificates made: why statements about a ruleset are impossible, so that anybody can verify it by arithmetic.
+"""Certificates made: why statements about a ruleset are impossible, for anybody to verify by arithmetic.
 
-The solver proposes facts and signs that would fulfil a statement.  Linear arithmetic over monomials refutes the
-signs, or nonlinear arithmetic does; the least part of them that it takes becomes a lemma, whose factors come from
-a small linear system (`certificate_check` says what they mean).  When no more is proposed, the statement is
-impossible.  What takes products of more than two signs has no certificate.
+The solver proposes facts and signs that would fulfil a statement.  Linear arithmetic over monomials refutes
+the signs, or nonlinear arithmetic does; the least part of them that it takes becomes a lemma, whose factors
+come from a small linear system (`certificate_check` says what they mean).  When no more is proposed, the
+statement is impossible.  What takes products of more than two signs has no certificate.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import combinations_with_replacement
@@ -28,13 +28,15 @@ from .symbols import real_term
 
 MOST_ROUNDS: Final = 400  # of proposals for one statement
 BUDGET: Final = 60.0  # for a certificate [s]
-_LIMIT: Final = 2000  # for one question to the solver [ms]
+# Effort for one question to the solver, in its own measure, so that the same is found on every machine.
+_EFFORT: Final = 20_000_000
+_NONLINEAR: Final = 300_000  # likewise, for a question in nonlinear arithmetic
 
 
 def write_certificate(
     ruleset: WrittenRuleset, path: str | Path, budget: float = BUDGET
 ) -> tuple[Covered, ...]:
-    """Write the certificate of a ruleset, and verify it; what it covers of each property, and what it does not."""
+    """Write the certificate of a ruleset, and verify it; what it covers of each property, and what not."""
     text = certificate(ruleset, budget)
     covered = verify(text, ruleset)
     Path(path).write_text(text, encoding="utf-8")
@@ -90,19 +92,17 @@ class _Maker:
     lemmas: list[Lemma] = field(default_factory=list)
     _coding: Coding = field(init=False)
     _linear: Any = field(init=False)
-    _nonlinear: Any = field(init=False)
     _asserted: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self._coding = Coding(self.statements.table)
-        self._linear, self._nonlinear = z3.SimpleSolver(), z3.SimpleSolver()
-        self._linear.set("timeout", _LIMIT)
-        self._nonlinear.set("timeout", _LIMIT // 2)
+        self._linear = z3.SimpleSolver()
+        self._linear.set("rlimit", _EFFORT)
 
     def proof(self, statement: Statement) -> dict[str, Any] | None:
         """Parts and lemmas by which a statement is impossible; None if linear arithmetic does not show it."""
         solver = z3.SimpleSolver()
-        solver.set("timeout", _LIMIT)
+        solver.set("rlimit", _EFFORT)
         solver.set("random_seed", 0)
         meaning, literals = self._coding.meaning(statement.parts)
         solver.add(*map(_clause, meaning))
@@ -178,15 +178,29 @@ class _Maker:
         for place in {place for place, _ in signs} - self._asserted:
             self._assert(place)
         names = {f"{place} {relation}": (place, relation) for place, relation in signs}
-        for solver, products in ((self._linear, False), (self._nonlinear, True)):
-            core = _least(solver, list(names))
-            if core is None:
-                continue
-            if (
-                lemma := multiplied(self._joined([names[each] for each in core]), products=products)
-            ) is not None:
-                return lemma
-        return None
+        if (core := _least(self._linearly, list(names))) is not None:
+            return multiplied(self._joined([names[each] for each in core]), products=False)
+        core = _least(lambda some: self._nonlinearly([names[each] for each in some]), list(names))
+        if core is None:
+            return None
+        return multiplied(self._joined([names[each] for each in core]), products=True)
+
+    def _linearly(self, names: Sequence[str]) -> Sequence[str] | None:
+        """Signs by name that linear arithmetic refutes, out of some; None if it does not."""
+        if self._linear.check(*map(z3.Bool, names)) != z3.unsat:
+            return None
+        return [str(each) for each in self._linear.unsat_core()]
+
+    def _nonlinearly(self, signs: Sequence[Signed]) -> Sequence[str] | None:
+        """The same with nonlinear arithmetic, of which every question is asked afresh."""
+        solver = z3.SimpleSolver()
+        solver.set("rlimit", _NONLINEAR)
+        for place, relation in signs:
+            value = real_term(self.statements.table.polynomials[place])
+            solver.add(z3.Implies(z3.Bool(f"{place} {relation}"), _said(value, relation)))
+        if solver.check(*(z3.Bool(f"{place} {relation}") for place, relation in signs)) != z3.unsat:
+            return None
+        return [str(each) for each in solver.unsat_core()]
 
     def _joined(self, signs: Sequence[Signed]) -> list[tuple[Polynomial, str]]:
         """Signs with their polynomials; at least zero and at most zero is zero."""
@@ -198,26 +212,29 @@ class _Maker:
     def _assert(self, place: int) -> None:
         self._asserted.add(place)
         polynomial = self.statements.table.polynomials[place]
-        for solver, value in (
-            (self._linear, _linear_term(polynomial)),
-            (self._nonlinear, real_term(polynomial)),
-        ):
-            said = {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}
-            for relation, meaning in said.items():
-                solver.add(z3.Implies(z3.Bool(f"{place} {relation}"), meaning))
+        value = _linear_term(polynomial)
+        for relation in (">", "<", ">=", "<="):
+            self._linear.add(z3.Implies(z3.Bool(f"{place} {relation}"), _said(value, relation)))
         for monomial in _squares([polynomial]):
             self._linear.add(z3.Real("*".join(monomial)) >= 0)
 
 
-def _least(solver: Any, names: list[str]) -> list[str] | None:
-    """Names of conditions that a solver refutes, none of which can be left out; None if it refutes nothing."""
-    if solver.check(*map(z3.Bool, names)) != z3.unsat:
+def _said(value: Any, relation: str) -> Any:
+    return {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}[relation]
+
+
+def _least(
+    refuted: Callable[[Sequence[str]], Sequence[str] | None], names: Sequence[str]
+) -> list[str] | None:
+    """Names of which none can be left out, if they are to be refuted; None if they are not."""
+    found = refuted(names)
+    if found is None:
         return None
-    core = [str(each) for each in solver.unsat_core()]
+    core = list(found)
     for name in list(core):
-        fewer = [each for each in core if each != name]
-        if solver.check(*map(z3.Bool, fewer)) == z3.unsat:
-            core = fewer
+        fewer = refuted([each for each in core if each != name]) if name in core else None
+        if fewer is not None:
+            core = [each for each in core if each in fewer]
     return core
 
 
@@ -242,7 +259,7 @@ def multiplied(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Le
     parts = list(dict.fromkeys(_parts(signs, products=products)))
     bare = Lemma(signs=tuple(signs), parts=())
     solver = z3.SimpleSolver()
-    solver.set("timeout", _LIMIT)
+    solver.set("rlimit", _EFFORT)
     sums: dict[Monomial, list[Any]] = {}
     strict = []
     for n, part in enumerate(parts):

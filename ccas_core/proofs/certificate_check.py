@@ -5,8 +5,8 @@ polynomials that cannot hold together; and for each statement the parts and the 
 statements are made anew from the ruleset; of the certificate only the lemmas are used.
 
 A lemma is verified as an identity.  Its polynomials are turned so that each is claimed to be greater than
-zero, at least zero, or zero.  Then a sum of terms, each a factor >= 0 times some of these polynomials times the
-square of a monomial, cannot be identically zero if one of the terms is greater than zero.  A term that has a
+zero, at least zero, or zero.  Then a sum of terms, each a factor >= 0 times some of these polynomials times
+the square of a monomial, cannot be identically zero if one of the terms is greater than zero.  A term that has a
 polynomial which is claimed to be zero may have any factor and any monomial.
 """
 
@@ -52,7 +52,8 @@ class Covered:
     def __str__(self) -> str:
         if self.whole:
             return f"{self.property}: certificate for all of {len(self.proved)} statements"
-        return f"{self.property}: certificate for {len(self.proved)} of {len(self.proved) + len(self.open)} statements"
+        count = len(self.proved) + len(self.open)
+        return f"{self.property}: certificate for {len(self.proved)} of {count} statements"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

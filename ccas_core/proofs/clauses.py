@@ -59,7 +59,7 @@ class Coding:
         return [*meaning, *((literal,) for literal in literals)]
 
     def meaning(self, parts: Iterable[int]) -> tuple[list[Clause], list[int]]:
-        """Clauses that say what parts mean, and what holds of facts and signs; and the literals of the parts."""
+        """Clauses that say what parts mean, and what holds of their facts; and the literals of the parts."""
         found: list[Clause] = []
         done: set[int] = set()
         flags: set[str] = set()
@@ -104,7 +104,7 @@ class Coding:
                 continue
             values = [self.literal(("flag", name)) for name in names]
             known = self.literal(("flag", f"known({fact})")) if fact in self.table.known else 0
-            yield tuple([*([-known] if known else []), *values])
+            yield (*((-known,) if known else ()), *values)
             yield from ((-one, -two) for n, one in enumerate(values) for two in values[n + 1 :])
             if known:
                 yield from ((known, -value) for value in values)
@@ -219,7 +219,7 @@ class _Search:
         return None
 
     def _learned(self, wrong: list[int]) -> tuple[list[int], int]:
-        """The clause that a contradiction shows, its only literal of this depth first; and how far to go back."""
+        """The clause that a contradiction shows, its one literal of this depth first; how far to go back."""
         learned: set[int] = set()
         seen: set[int] = set()
         here = 0

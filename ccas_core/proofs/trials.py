@@ -1,8 +1,8 @@
 """Random encounters against proofs: what is proved must hold for every one of them.
 
-Facts are drawn of those that a ruleset asks for, with numbers at and beside the limits that it compares them with;
-ships come near one another in all ways, exactly parallel and exactly alike among them.  What ships meet at a junction
-is drawn freely, as a chart would have it.
+Facts are drawn of those that a ruleset asks for, with numbers at and beside the limits that it compares them
+with; ships come near one another in all ways, exactly parallel and exactly alike among them.  Times to a
+junction are drawn freely, as a chart would have them.
 """
 
 from __future__ import annotations

@@ -96,6 +96,15 @@ def check_consistency(
             show_default=False,
         ),
     ] = None,
+    certificate: Annotated[
+        Path | None,
+        typer.Option(
+            "--certificate",
+            metavar="FILE",
+            help="Also write why what is proved is so; `ccas verify-certificate` verifies it by arithmetic.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: talk.AsJson = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")] = False,
 ) -> None:
@@ -118,7 +127,9 @@ def check_consistency(
         raise InputError(
             Diagnostic(source="RULESET", message="nothing to check", expected="a ruleset", hint=hint)
         )
-    chosen = [(name, _narrowed(_written(plugins, name), assume or ())) for name in dict.fromkeys(names)]
+    chosen = [
+        (name, _narrowed(written_ruleset(plugins, name), assume or ())) for name in dict.fromkeys(names)
+    ]
     wanted = Wanted(
         budget=budget,
         max_ships=max_ships,
@@ -126,14 +137,33 @@ def check_consistency(
         out=register or out,
         pictures=not no_pictures,
     )
-    old = None if against is None else _written(plugins, against)
-    pair = None if border is None else (_written(plugins, border[0]), _written(plugins, border[1]))
+    old = None if against is None else written_ruleset(plugins, against)
+    pair = (
+        None if border is None else (written_ruleset(plugins, border[0]), written_ruleset(plugins, border[1]))
+    )
+    if certificate is not None and len(chosen) != 1:
+        raise InputError(Diagnostic(source="--certificate", message="a certificate is of one ruleset"))
     entries, interrupted = _looked(chosen, old, pair, wanted, quiet=as_json)
     _show(entries, wanted, as_json=as_json, register=register, interrupted=interrupted)
     if interrupted:
         talk.note("interrupted; what was known by then is shown")
         raise typer.Exit(Code.INTERRUPTED)
+    if certificate is not None:
+        _certify(chosen[0][1], certificate, budget)
     _leave([finding for entry in entries for finding in entry.findings])
+
+
+def _certify(ruleset: WrittenRuleset, path: Path, budget: float) -> None:
+    from ccas_core.proofs.certificate import write_certificate
+
+    try:
+        covered = write_certificate(ruleset, path, budget)
+    except OSError as error:
+        message = f"cannot be written: {error.strerror}"
+        raise InputError(Diagnostic(source=str(path), message=message)) from None
+    talk.note(f"certificate written: {path}")
+    for each in covered:
+        talk.note(f"    {each}")
 
 
 def _leave(findings: Sequence[Finding]) -> None:
@@ -162,7 +192,8 @@ def _known(properties: Sequence[str], rulesets: Sequence[WrittenRuleset]) -> tup
     return tuple(found)
 
 
-def _written(plugins: Plugins, name: str) -> WrittenRuleset:
+def written_ruleset(plugins: Plugins, name: str) -> WrittenRuleset:
+    """Ruleset of which something can be proved, by its id or the path of its file."""
     from ccas_core.tapd.written import WrittenRuleset
 
     ruleset = plugins.ruleset(name)

@@ -28,6 +28,7 @@ from . import (
     schema,
     simulate,
     testing,
+    verify_certificate,
 )
 from .exits import answered
 
@@ -37,6 +38,7 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     codes.code,
     testing.test,
     consistency.check_consistency,
+    verify_certificate.verify_certificate,
     graph.graph,
     explain.explain,
     diff.diff,

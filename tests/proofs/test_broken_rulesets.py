@@ -52,6 +52,7 @@ FAULTS = {
     "tie_not_total": ("tie_break_total", "neither goes first"),
 }
 
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_broken_ruleset_is_refuted_by_the_property_that_it_breaks(name: str) -> None:
     property_, culprit = FAULTS[name]

@@ -1,4 +1,4 @@
-"""What is proved holds at sea: random encounters contradict nothing, and both meanings of a condition are one."""
+"""What is proved holds at sea: random encounters contradict nothing, and a condition has one meaning."""
 
 from __future__ import annotations
 
