@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any, Final
@@ -217,12 +218,13 @@ def _behind(symbols: Symbols, never: Callable[..., bool]) -> bool:
 def _search(tally: Tally, ruleset: WrittenRuleset, shape: Shape, budget: Budget, max_ships: int) -> None:
     """Look for the smallest ring on waters of a shape."""
     most = max_ships if not shape.courses or shape.name == "a reach" else min(max_ships, len(shape.courses))
+    asked = _looked_at(ruleset.text)
     for count in range(3, most + 1):
         rng = np.random.default_rng(count)
         for n in range(TRIES):
             if budget.spent:
                 return
-            case = _group(rng, ruleset.text, shape, count, alike=n % 3 == 0)
+            case = _group(rng, ruleset.text, shape, count, asked, alike=n % 3 == 0)
             if case is None or not _within(ruleset, case):
                 continue
             found = ring(ruleset, case)
@@ -286,7 +288,13 @@ def _within(ruleset: WrittenRuleset, case: Case) -> bool:
 
 
 def _group(
-    rng: np.random.Generator, text: RulesetText, shape: Shape, count: int, *, alike: bool
+    rng: np.random.Generator,
+    text: RulesetText,
+    shape: Shape,
+    count: int,
+    asked: AbstractSet[str],
+    *,
+    alike: bool,
 ) -> Case | None:
     """Ships that come near the middle of a water at about the same time."""
     low, high = (float(each) for each in text.domain.speed)
@@ -314,17 +322,23 @@ def _group(
     for one, other in combinations(places.values(), 2):
         if math.hypot(one[0] - other[0], one[1] - other[1]) < apart:
             return None
-    return case_of(_facts(rng, text, list(places), alike=alike), places)
+    return case_of(_facts(rng, text, list(places), asked, alike=alike), places)
 
 
-def _facts(rng: np.random.Generator, text: RulesetText, ships: Iterable[str], *, alike: bool) -> Facts:
-    """Facts of a group: large motor ships that are all alike, or what the conditions look at, at random."""
-    asked = {
+def _looked_at(text: RulesetText) -> AbstractSet[str]:
+    """Facts of ships that conditions look at."""
+    return {
         name.partition(".")[2]
         for rule in text.rules
         for name in facts_of(rule.condition)
-        if name[:4] in ("own.", "othe")
+        if name.startswith(("own.", "other."))
     }
+
+
+def _facts(
+    rng: np.random.Generator, text: RulesetText, ships: Iterable[str], asked: AbstractSet[str], *, alike: bool
+) -> Facts:
+    """Facts of a group: large motor ships that are all alike, or what the conditions look at, at random."""
     waterway: dict[str, Any] = {}
     if rng.random() < 0.5:
         waterway |= {"type": "lake", "upstream_defined": False}

@@ -37,6 +37,7 @@ from .search import (
 from .solver import Answer, Budget, Found, ask_nonlinear
 from .symbols import Symbols, Term
 
+AT_LENGTH: Final = 15_000  # tries, where a few have shown nothing and the solver says nothing
 VELOCITIES: Final = 18  # pairs of velocities for which places are asked for
 PLACING_LIMIT: Final = 0.5  # for one of them [s]
 PLACING: Final = 4.0  # for all of them [s]
@@ -78,6 +79,19 @@ class Placing:
         yield facts
         if facts.times:
             yield facts.at_a_junction()
+
+    def at_length(self) -> Ships | None:
+        """Ships with facts that have been tried before, by many more tries."""
+        wanted = telling_speeds(self.symbols.atoms, self.rulesets[0].text.domain)
+        for stated in self.tried:
+            if self.budget.spent:
+                return None
+            found = find(
+                self.rulesets, stated, self.goal, 1, AT_LENGTH // len(self.tried), self.enough, wanted
+            )
+            if found is not None:
+                return found
+        return None
 
     def with_velocities(self, terms: Sequence[Term]) -> Ships | None:
         """Ships with round velocities, placed by the solver."""

@@ -21,8 +21,8 @@ from .solver import NONLINEAR_LIMIT, Answer, Budget, Found, ask_linear, ask_nonl
 from .statements import bounded_below
 from .symbols import Symbols, Term, View, constants_of
 
-ATTEMPTS: Final = 2  # models whose facts are tried
-GLANCE: Final = 0.4  # for a nonlinear question, before ships are looked for [s]
+ATTEMPTS: Final = 6  # models whose facts are tried
+GLANCE: Final = 0.3  # for a nonlinear question, before ships are looked for [s]
 # Own ship at the origin, on course north; the other's velocity by its difference.  Nothing is lost: all
 # quantities of motion are the same wherever the two are, and whichever way they look.
 FRAME: Final[Mapping[str, Polynomial]] = {
@@ -116,12 +116,14 @@ class Questions:
         answer = ask_nonlinear(self.symbols, asked, self.budget, GLANCE)
         if answer.impossible:
             return Found.IMPOSSIBLE, answer.method, None
+        if (found := ships(answer)) is not None:
+            return Found.POSSIBLE, answer.method, found
         other = list(self.symbols.known.values())  # facts that are known are tried first
-        for _ in range(ATTEMPTS):
-            answer = ask_linear(self.symbols, [*asked, *other], self.budget)
+        for variant in range(ATTEMPTS):
+            answer = ask_linear(self.symbols, [*asked, *other], self.budget, variant)
             if answer.impossible and self.symbols.known:
                 other = other[len(self.symbols.known) :]
-                answer = ask_linear(self.symbols, [*asked, *other], self.budget)
+                answer = ask_linear(self.symbols, [*asked, *other], self.budget, variant)
             if (found := ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
             if not answer.flags:
@@ -133,7 +135,8 @@ class Questions:
                 return Found.IMPOSSIBLE, answer.method, None
             if (found := ships(answer)) is not None:
                 return Found.POSSIBLE, answer.method, found
-        if (found := placing.with_velocities([*asked, *inside])) is not None:
+        found = placing.at_length() or placing.with_velocities([*asked, *inside])
+        if found is not None:
             return Found.POSSIBLE, answer.method, found
         why = "no time is left" if self.budget.spent else "possible for the solver, and no ships were found"
         return Found.UNDECIDED, why, None

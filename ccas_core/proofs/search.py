@@ -33,8 +33,9 @@ from .solver import Answer
 Goal: TypeAlias = Callable[[Verdict, Verdict], bool]  # of the views of A and of B
 
 A, B = ShipId("A"), ShipId("B")
-TRIES: Final = 1500
-ENOUGH: Final = 12  # hits among which the one with the widest margin is taken
+TRIES: Final = 600
+ENOUGH: Final = 5  # hits among which the one with the widest margin is taken
+_UNTIL: Final = (math.log(8.0), math.log(400.0))  # time to the closest approach, as many soon as late [ln s]
 _REACHES: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 80.0)  # [m]
 
 
@@ -193,7 +194,7 @@ def _pair(
         other * math.cos(courses[1] * DEGREE) - own * math.cos(courses[0] * DEGREE),
         other * math.sin(courses[1] * DEGREE) - own * math.sin(courses[0] * DEGREE),
     )
-    until = float(rng.uniform(20.0, 400.0))
+    until = float(np.exp(rng.uniform(*_UNTIL)))
     if relative > 0.0:
         until = max(until, 1.2 * separation / relative)
     aside = float(rng.choice((0.0, 0.0, 10.0, 30.0, 100.0))) * rng.normal()
@@ -278,7 +279,7 @@ def placed(answer: Answer, domain: Domain) -> Iterator[dict[str, tuple[float, fl
             yield {A: (0.0, 0.0, 0.0, speeds[0]), B: (pose[0], pose[1], pose[2], speeds[1])}
 
 
-def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships:
+def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: Goal) -> Ships | None:
     """The same ships, with no more facts than it takes to show the same by the same rules."""
     rules = [view.rule for view in ships.verdicts]
 
@@ -287,24 +288,34 @@ def _plain(rulesets: tuple[WrittenRuleset, WrittenRuleset], ships: Ships, goal: 
         return verdicts is not None and [view.rule for view in verdicts] == rules
 
     case = plainer(ships.case, shows)
+    if not goal(*judged(rulesets, case)):  # each ship by its own facts, as at sea
+        return None
     return Ships(case=case, verdicts=judged(rulesets, case), margin=margin(rulesets, case, goal))
 
 
 def _reaches(
     rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal
 ) -> tuple[Verdict, Verdict] | None:
-    verdicts = judged(rulesets, case)
-    return verdicts if goal(*verdicts) and _in_domain(rulesets, case) else None
-
-
-def _in_domain(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case) -> bool:
-    """Whether what the rulesets assume of ships holds, as both see it."""
-    return all(
-        ruleset.assumptions(pair_facts(case, own, other, ruleset.vocabulary))
-        for ruleset in dict.fromkeys(rulesets)
-        if ruleset.text.domain.assume
-        for own, other in ((A, B), (B, A))
-    )
+    """Verdicts of ships within the domain, if they reach a goal."""
+    one, other = rulesets
+    seen = pair_facts(case, A, B, one.vocabulary)
+    turned = seen.mirrored() if other is one else pair_facts(case, B, A, other.vocabulary)
+    verdicts = one.judge(seen), other.judge(turned)
+    if not goal(*verdicts):
+        return None
+    if other is not one and (one.text.domain.assume or other.text.domain.assume):
+        views = (
+            seen,
+            pair_facts(case, B, A, one.vocabulary),
+            pair_facts(case, A, B, other.vocabulary),
+            turned,
+        )
+        met = all(
+            ruleset.assumptions(view) for ruleset, view in zip((one, one, other, other), views, strict=True)
+        )
+    else:
+        met = not one.text.domain.assume or (one.assumptions(seen) and one.assumptions(turned))
+    return verdicts if met else None
 
 
 def margin(rulesets: tuple[WrittenRuleset, WrittenRuleset], case: Case, goal: Goal) -> float:

@@ -68,11 +68,15 @@ class Budget:
 
 LINEAR: Final = "linear reasoning"
 NONLINEAR: Final = "nonlinear reasoning"
+_RANDOM_PHASES: Final = 5  # the solver's name for them
 OUT_OF_TIME: Final = Answer(found=Found.UNDECIDED, method="no time is left")
 
 
-def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget) -> Answer:
-    """Ask whether terms can hold together, with a variable for each monomial; "possible" may be wrong."""
+def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget, variant: int = 0) -> Answer:
+    """Ask whether terms can hold together, with a variable for each monomial; "possible" may be wrong.
+
+    Another `variant` may come to another model.
+    """
     if budget.spent:
         return OUT_OF_TIME
     atoms = atoms_in(symbols, terms)
@@ -81,6 +85,7 @@ def ask_linear(symbols: Symbols, terms: Sequence[Term], budget: Budget) -> Answe
         budget,
         LINEAR_LIMIT,
         LINEAR,
+        variant,
     )
 
 
@@ -92,8 +97,11 @@ def ask_nonlinear(symbols: Symbols, terms: Sequence[Term], budget: Budget, limit
     return _asked([*symbols.axioms(terms), *terms, *meaning], budget, limit, NONLINEAR)
 
 
-def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str) -> Answer:
+def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str, variant: int = 0) -> Answer:
     solver = _solver(budget, limit)
+    if variant:
+        solver.set("random_seed", variant)
+        solver.set("phase_selection", _RANDOM_PHASES)
     solver.add(*assertions)
     began, most = time.perf_counter(), min(limit, budget.left)
     outcome = solver.check()
