@@ -12,7 +12,7 @@ import z3
 from ccas_core.proofs.findings import Outcome
 from ccas_core.proofs.questions import FRAME
 from ccas_core.proofs.search import A, B
-from ccas_core.proofs.symbols import Symbols, View, constants_of, real_term
+from ccas_core.proofs.symbols import Symbols, Term, View, constants_of, real_term
 from ccas_core.proofs.trials import Trial, contradictions, trials
 from ccas_core.tapd.facts import PairFacts
 from ccas_core.tapd.language.code import MOTION, Missing, program
@@ -140,7 +140,7 @@ def exact_values(facts: PairFacts) -> dict[str, Any]:
     return named
 
 
-def _exact(value: Any) -> Any:
+def _exact(value: object) -> object:
     return Fraction(value) if isinstance(value, int | float) else value
 
 
@@ -166,9 +166,9 @@ class Meaning:
         self._numbers |= {n: v for n, v in exact_values(facts).items() if n.startswith("waterway.")}
         self._put = self._values()
 
-    def says(self, term: Any) -> bool:
+    def says(self, term: Term) -> bool:
         """Value of a term."""
-        return z3.is_true(z3.simplify(z3.substitute(term, *self._put)))
+        return bool(z3.is_true(z3.simplify(z3.substitute(term, *self._put))))
 
     def _values(self) -> list[tuple[Any, Any]]:
         put = [(z3.Bool(name), z3.BoolVal(self._flag(name))) for name in self._symbols.flags]
@@ -193,10 +193,10 @@ class Meaning:
         fact, is_, word = name.partition("=")
         value = self._value(fact)
         if fact == "waterway.regime":
-            return word in value
+            return isinstance(value, frozenset) and word in value
         return bool(value == word) if is_ else value is True
 
-    def _value(self, fact: str) -> Any:
+    def _value(self, fact: str) -> object:
         owner, _, tail = fact.partition(".")
         facts, places = self._facts, self._facts.vocabulary.places
         if owner == "waterway":
