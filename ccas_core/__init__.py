@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .errors import RulesetError as RulesetError
     from .errors import ScenarioError as ScenarioError
     from .frames import NedPose as NedPose
+    from .hookspecs import PluginInfo as PluginInfo
     from .hookspecs import hookimpl as hookimpl
     from .plugins import Plugins as Plugins
     from .plugins import load
@@ -42,10 +43,27 @@ if TYPE_CHECKING:
     from .sim.scenario_dump import dump_scenario as dump_scenario
     from .sim.scenario_file import load_scenario as load_scenario
     from .sim.voyage import voyage as voyage
+    from .tapd.case_file import CaseFile as CaseFile
+    from .tapd.case_file import load_cases as load_cases
+    from .tapd.cases import Case as Case
     from .tapd.facts import PairFacts as PairFacts
+    from .tapd.library import RulesetLibrary as RulesetLibrary
+    from .tapd.python_rules import PairView as PairView
+    from .tapd.python_rules import PythonRule as PythonRule
+    from .tapd.python_rules import RoleDecision as RoleDecision
+    from .tapd.ranking import RankingCriterion as RankingCriterion
     from .tapd.ruleset import AbstractRuleset as AbstractRuleset
     from .tapd.ruleset import PairRuleset as PairRuleset
     from .tapd.ruleset import Situation as Situation
+    from .tapd.ruleset_file import load_ruleset as load_ruleset
+    from .tapd.ruleset_file import parse_ruleset as parse_ruleset
+    from .tapd.vocabulary import VOCABULARY as VOCABULARY
+    from .tapd.vocabulary import Fact as Fact
+    from .tapd.vocabulary import Kind as FactKind  # noqa: F401 - public by this name
+    from .tapd.vocabulary import Scope as FactScope  # noqa: F401 - public by this name
+    from .tapd.vocabulary import Source as FactSource  # noqa: F401 - public by this name
+    from .tapd.vocabulary import Vocabulary as Vocabulary
+    from .tapd.written import WrittenRuleset as WrittenRuleset
     from .verdict import Citation as Citation
     from .verdict import Confidence as Confidence
     from .verdict import Kind as Kind
@@ -64,10 +82,16 @@ if TYPE_CHECKING:
 _HOMES: Final = {  # module, and the name there if it is another
     "AbstractLocalSolver": "dmpc.solvers",
     "AbstractRuleset": "tapd.ruleset",
+    "Case": "tapd.cases",
+    "CaseFile": "tapd.case_file",
     "CcasError": "errors",
     "Citation": "verdict",
     "Confidence": "verdict",
     "Diagnostic": "errors",
+    "Fact": "tapd.vocabulary",
+    "FactKind": "tapd.vocabulary:Kind",
+    "FactScope": "tapd.vocabulary:Scope",
+    "FactSource": "tapd.vocabulary:Source",
     "Frame": "sim.frame",
     "Geometry": "roles",
     "Hull": "ships",
@@ -78,12 +102,18 @@ _HOMES: Final = {  # module, and the name there if it is another
     "Obstacle": "waterway",
     "PairFacts": "tapd.facts",
     "PairRuleset": "tapd.ruleset",
+    "PairView": "tapd.python_rules",
     "PassingSide": "roles",
     "PluginError": "errors",
+    "PluginInfo": "hookspecs",
     "Plugins": "plugins",
     "PriorityGraph": "priority",
+    "PythonRule": "tapd.python_rules",
+    "RankingCriterion": "tapd.ranking",
     "Region": "waterway",
+    "RoleDecision": "tapd.python_rules",
     "RulesetError": "errors",
+    "RulesetLibrary": "tapd.library",
     "RunWriter": "sim.run_folder",
     "Scenario": "sim.scenario",
     "ScenarioError": "errors",
@@ -94,15 +124,21 @@ _HOMES: Final = {  # module, and the name there if it is another
     "Situation": "tapd.ruleset",
     "Towards": "waterway",
     "UNKNOWN": "ships",
+    "VOCABULARY": "tapd.vocabulary",
     "Verdict": "verdict",
+    "Vocabulary": "tapd.vocabulary",
     "Waters": "waterway",
     "Waterway": "waterway",
     "World": "world",
+    "WrittenRuleset": "tapd.written",
     "dump_scenario": "sim.scenario_dump",
     "hookimpl": "hookspecs",
+    "load_cases": "tapd.case_file",
     "load_plugins": "plugins:load",
+    "load_ruleset": "tapd.ruleset_file",
     "load_scenario": "sim.scenario_file",
     "make_solver": "dmpc.solvers",
+    "parse_ruleset": "tapd.ruleset_file",
     "read_run": "sim.run_reading",
     "summary": "sim.metrics",
     "voyage": "sim.voyage",

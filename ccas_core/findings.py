@@ -61,6 +61,12 @@ class Findings:
         ordered = sorted(self._findings, key=lambda each: (each.line, each.column))
         return tuple(dict.fromkeys(ordered))  # what an alias repeats is found again
 
+    def take(self) -> tuple[Diagnostic, ...]:
+        """All findings so far; they are forgotten here."""
+        found = self.told()
+        self._findings.clear()
+        return found
+
     def refuse(
         self, at: Place, message: str, *, expected: str = "", hint: str = "", width: int = 1, code: str = ""
     ) -> None:

@@ -25,6 +25,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # only its parser 
 _TAB = re.compile(r"^ *\t", re.MULTILINE)
 _PRINTABLE = "\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff"
 _UNPRINTABLE = re.compile(f"[^{_PRINTABLE}]")
+_NULLS: Final = frozenset({"", "~", "null", "Null", "NULL"})
 _TOO_MUCH: Final = "is this the file that you meant?"
 _SYNTAX_HINTS: Final = {
     "mapping values": "a text with ': ' in it needs quotes; or is the indentation wrong?",
@@ -57,7 +58,7 @@ class Scalar(Node):
         """
         if not self.plain:
             return self.text
-        if self.text in ("", "~", "null", "Null", "NULL"):
+        if self.text in _NULLS:
             return None
         if self.text in ("true", "True", "TRUE", "false", "False", "FALSE"):
             return self.text[0] in "tT"
@@ -68,7 +69,7 @@ class Scalar(Node):
     @property
     def is_null(self) -> bool:
         """Whether nothing is written here."""
-        return self.value is None
+        return self.plain and self.text in _NULLS
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +154,13 @@ class _Composer:
         return root
 
     def _node(self, event: _Event, depth: int) -> Node:
+        if isinstance(event, yaml.ScalarEvent) and event.tag is None:  # most of them are
+            mark: Any = event.start_mark
+            scalar = Scalar(mark.line + 1, mark.column + 1, event.value, not event.style)
+            self._count_one(scalar, depth)
+            if event.anchor:
+                self._anchors[event.anchor] = scalar
+            return scalar
         at = _mark(event)
         if isinstance(event, yaml.AliasEvent):
             return self._alias(at, str(event.anchor), depth)
@@ -160,9 +168,7 @@ class _Composer:
             self._findings.stop(at, "tags are not used here", hint="remove the '!' and what belongs to it")
         self._count_one(at, depth)
         node: Node
-        if isinstance(event, yaml.ScalarEvent):
-            node = Scalar(at.line, at.column, event.value, not event.style)
-        elif isinstance(event, yaml.SequenceStartEvent):
+        if isinstance(event, yaml.SequenceStartEvent):
             items = tuple(self._node(each, depth + 1) for each in self._until_end())
             node = Sequence(at.line, at.column, items)
         else:

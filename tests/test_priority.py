@@ -358,3 +358,25 @@ def test_pair_that_is_settled_twice_is_refused() -> None:
 def test_unknown_initiator_is_refused_as_an_unknown_ship() -> None:
     with pytest.raises(ValueError, match="z"):
         graph(settled(Kind.COOPERATE, initiator=Z))
+
+
+# --- other criteria than weight -------------------------------------------------------------------
+
+
+def test_ring_is_opened_by_the_ranks_of_the_ruleset_and_logged_by_their_criterion() -> None:
+    ring = PriorityGraph(
+        masses=MASSES,
+        settlements=(duty(A, B), duty(B, C), duty(C, A)),
+        ranks={A: (2.0,), B: (1.0, 5.0), C: (1.0, 4.0), D: (0.0,)},
+        criterion="by length, weight",
+    )
+
+    assert ring.generations() == ((C, D), (A,), (B,))
+    assert ring.openings == (Opening(Edge(B, C, EdgeKind.DUTY), "by length, weight"),)
+
+
+def test_without_ranks_a_ring_is_opened_by_weight() -> None:
+    ring = PriorityGraph(masses=MASSES, settlements=(duty(A, B), duty(B, C), duty(C, A)))
+
+    assert [each.criterion for each in ring.openings] == ["lightest first"]
+    assert ring.generations()[0] == (B, D)

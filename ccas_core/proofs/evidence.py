@@ -100,7 +100,7 @@ def _written(
         stem.with_name(stem.name + end) for end in (".yaml", ".encounter.yaml", ".png")
     )
     encounter.write_text(encounter_file(ships, judges, name, fault.title, vocabulary), encoding="utf-8")
-    text = sailed(ships, judges, name, fault.title, about)
+    text = sailed(ships, judges, name, fault.title, about, vocabulary)
     if text is not None:
         scenario.write_text(text, encoding="utf-8")
     placed = all(ship.pose is not None and ship.speed is not None for ship in ships.case.ships)

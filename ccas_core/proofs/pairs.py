@@ -47,6 +47,8 @@ class Tally:
         reasoning = " and ".join(sorted(self.methods)) or "nothing to ask"
         if outcome is Outcome.REFUTED:
             reasoning = "ships, judged by the rules as they run"
+        elif outcome is Outcome.UNDECIDED:
+            reasoning = f"no answer to {len(self.open)}"
         return Finding(
             property=name,
             outcome=outcome,

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..frames import FloatArray
+from ..sim.case_scenario import USUAL_LENGTH, beam_of
 from ..sim.chart import COLOURS, Label
 from ..sim.drawing import THIN, fill, settle
 from ..tapd.cases import CaseShip
-from .plain import USUAL_LENGTH, beam_of
 from .search import Ships
 from .telling import duty_of
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
+from ..sim.case_scenario import USUAL_LENGTH, beam_of
 from ..tapd.cases import Case, CaseShip
 
-USUAL_LENGTH: Final = 80.0  # of a ship whose length does not matter [m]
 _SIZE: Final = ("length", "beam")  # every ship has these
 
 
@@ -17,15 +17,6 @@ def plainer(case: Case, holds: Callable[[Case], bool]) -> Case:
     for simpler in (_length, _ship_fact, _waterway_fact, _regime, _encounter_fact):
         case = _as_far_as_it_holds(case, simpler, holds)
     return case
-
-
-def beam_of(length: float) -> float:
-    """Breadth of a ship that does not state it [m].
-
-    >>> beam_of(80.0), beam_of(5.0)
-    (10.0, 2.0)
-    """
-    return max(2.0, round(length / 8.0, 1))
 
 
 def _as_far_as_it_holds(

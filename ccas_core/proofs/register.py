@@ -45,7 +45,8 @@ def _page(told: Sequence[Told], folder: Path) -> Iterator[str]:
         "[How to read this](../check-consistency.md)."
     )
     yield ""
-    yield "This page is made by `ccas check-consistency --register docs/findings`."
+    borders = [f" --border {' '.join(entry.id.split('|'))}" for entry, _ in told if len(entry.rulesets) > 1]
+    yield f"This page is made by `ccas check-consistency --register docs/findings{''.join(borders)}`."
     yield ""
     yield from _table([entry for entry, _ in told])
     titles = []
@@ -97,7 +98,7 @@ def _summary(entry: Entry) -> Iterator[str]:
     for finding in entry.findings:
         meaning = MEANINGS.get(finding.property, "")
         left = f"; open: {'; '.join(finding.open)}" if finding.open else ""
-        yield f"- **{finding.property}** ({meaning}): {finding.outcome}, by {finding.method}{left}"
+        yield f"- **{finding.property}** ({meaning}): {finding.outcome} ({finding.method}){left}"
 
 
 def _fault(entry: Entry, evidence: Evidence, folder: Path) -> Iterator[str]:

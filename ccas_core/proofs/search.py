@@ -18,6 +18,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from ..ships import ShipId
+from ..sim.case_scenario import USUAL_LENGTH, beam_of
 from ..tapd.case_run import pair_facts
 from ..tapd.cases import Case, CaseShip
 from ..tapd.language.polynomial import Polynomial
@@ -26,7 +27,7 @@ from ..tapd.vocabulary import Kind, Scope
 from ..tapd.written import WrittenRuleset
 from ..units import DEGREE
 from ..verdict import Verdict
-from .plain import USUAL_LENGTH, beam_of, plainer
+from .plain import plainer
 from .solver import Answer
 
 Goal: TypeAlias = Callable[[Verdict, Verdict], bool]  # of the views of A and of B

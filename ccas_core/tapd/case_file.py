@@ -7,7 +7,6 @@ name of the key (`length_m: 12.0`).  Both give the same `Case`.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any, Final
 
 from ..errors import Diagnostic, RulesetError
 from ..findings import read_text
-from ..quantities import ANGLE, LENGTH, SPEED, TIME, Range
+from ..quantities import ANGLE, ANY, LENGTH, SPEED, TIME, Range
 from ..roles import Geometry
 from ..ships import UNKNOWN, ShipId
 from ..strict_yaml import Block, Reader
@@ -29,6 +28,7 @@ from .vocabulary import Kind as FactKind
 
 _PROSE: Final = ("schema_version", "about", "conventions", "kinds", "strengths", "confidence", "regime_flags")
 _SPEED: Final = Range(at_least=0.0, at_most=100.0)
+_PLACE: Final = Range(at_least=-2e7, at_most=2e7)  # no two places on earth are farther apart
 _NAMELESS: Final = {  # where no ship is named, none is
     "overtaker": ("head_on", "crossing", "none"),
     "has_other_on_starboard": ("head_on", "overtaking", "none"),
@@ -51,11 +51,9 @@ class CaseFile:
 def read_tests(reader: Reader, node: Node | None, ruleset: str, vocabulary: Vocabulary) -> tuple[Case, ...]:
     """Read the tests of a ruleset file."""
     names: dict[str, Node] = {}
-    return tuple(
-        case
-        for each in reader.items(node)
-        if (case := _CaseReader(reader, vocabulary, in_units=True).test(each, ruleset, names)) is not None
-    )
+    read = _CaseReader(reader, vocabulary, in_units=True)
+    tests = (read.test(each, ruleset, names) for each in reader.items(node))
+    return tuple(case for case in tests if case is not None)
 
 
 def load_cases(path: str | Path, vocabulary: Vocabulary = VOCABULARY) -> CaseFile:
@@ -81,6 +79,7 @@ def parse_cases(text: str, source: str = "cases", vocabulary: Vocabulary = VOCAB
         root.find(key)
     root.find("rulesets")
     defaults = _defaults(reader, root.find("defaults"), vocabulary)
+    read = _CaseReader(reader, vocabulary, in_units=False, defaults=defaults)
     cases: list[Case] = []
     broken: list[str] = []
     ids: dict[str, Node] = {}
@@ -90,9 +89,7 @@ def parse_cases(text: str, source: str = "cases", vocabulary: Vocabulary = VOCAB
     for key, node in lists:
         for each in reader.items(node):
             before = reader.count
-            found = _CaseReader(reader, vocabulary, in_units=False, defaults=defaults).case(
-                each, ids, hard=key == "hard_cases"
-            )
+            found = read.case(each, ids, hard=key == "hard_cases")
             if reader.count > before or found is None:
                 broken.append(found.id if found else f"line {each.line}")
             else:
@@ -134,6 +131,10 @@ class _CaseReader:
     ) -> None:
         self._reader, self._vocabulary, self._in_units = reader, vocabulary, in_units
         self._defaults = defaults or {}
+        self._known = {
+            scope: {self._key(fact): fact for fact in vocabulary.by_scope[scope]}
+            for scope in (Scope.SHIP, Scope.WATERWAY)
+        }
         self._expectations = ExpectationReader(reader)
 
     # -- whole cases -----------------------------------------------------------------------------
@@ -232,34 +233,40 @@ class _CaseReader:
                 )
                 return None, None, rest
             ends = self._reader.items(found[0], 2, 2)
-            east, north = ([self._reader.number(each, LENGTH) for each in ends] + [math.nan, math.nan])[:2]
+            east, north = (
+                [self._reader.number(each, LENGTH, _PLACE) for each in ends] + [math.nan, math.nan]
+            )[:2]
             course = self._reader.number(found[1], ANGLE)
             return (north, east, course), self._reader.number(found[2], SPEED, _SPEED), rest
         if "kinematics" not in keys:
             return None, None, node
         rest_entries = [each for each in node.entries if each[0].text != "kinematics"]
         block = self._reader.block(keys["kinematics"][1])
-        north, east = (self._bare(block.require(key)) for key in ("north_m", "east_m"))
+        north, east = (self._bare(block.require(key), _PLACE) for key in ("north_m", "east_m"))
         course = self._bare(block.require("course_deg")) * DEGREE
-        speed = self._bare(block.require("speed_mps"))
+        speed = self._bare(block.require("speed_mps"), _SPEED)
         if (heading := block.find("heading_deg")) is not None:
             self._bare(heading)
             rest_entries.append((Scalar(heading.line, heading.column, "heading_deg"), heading))
         block.done()
         return (north, east, course), speed, Keys(node.line, node.column, tuple(rest_entries))
 
-    def _bare(self, node: Node) -> float:
+    def _bare(self, node: Node, within: Range = ANY) -> float:
         value = node.value if isinstance(node, Scalar) else None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             self._reader.refuse(
                 node, "this is no finite number", expected="a number; its unit stands in the key"
             )
             return math.nan
+        if not within.holds(value):
+            bounds = f"from {within.at_least:g} to {within.at_most:g}"
+            self._reader.refuse(node, f"{value:g} is out of range", expected=bounds)
+            return math.nan
         return float(value)
 
     def facts(self, node: Node | None, scope: Scope) -> dict[str, Any]:
         """Stated facts of a ship or a waterway, in SI, by their names in the vocabulary."""
-        known = {self._key(fact): fact for fact in self._vocabulary.by_scope[scope]}
+        known = self._known[scope]
         found: dict[str, Any] = {}
         for key, value in self._reader.entries(node):
             fact = known.get(key.text)
@@ -305,19 +312,21 @@ class _CaseReader:
                 ShipId(self._expectations.ship(key, ids)): self._time(value)
                 for key, value in reader.entries(times)
             }
-        self._illustrations(block, node)
+        self._illustrations(block, node, ids)
         for name, geometries in _NAMELESS.items():
             if found.get("geometry") in geometries:
                 found.setdefault(name, "none")
         block.done()
         return found
 
-    def _illustrations(self, block: Block, node: Node) -> None:
+    def _illustrations(self, block: Block, node: Node, ids: Iterable[str]) -> None:
         """Numbers that stand beside a stated geometry: they must be numbers, and decide nothing."""
         if self._in_units or not isinstance(node, Keys):
             return
+        ships = list(ids)
+        known = {*_HINTS, *(f"bearing_of_{one}_from_{other}_deg" for one in ships for other in ships)}
         for key, value in node.entries:
-            if key.text in _HINTS or re.fullmatch("bearing_of_.*_deg", key.text):
+            if key.text in known:
                 block.find(key.text)
                 self._bare(value)
 

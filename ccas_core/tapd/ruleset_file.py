@@ -230,7 +230,7 @@ class _Weaver:
     # -- findings --------------------------------------------------------------------------------
 
     def _finish(self) -> None:
-        told = [each for draft in self.drafts[::-1] for each in draft.reader.told()]
+        told = [each for draft in self.drafts[::-1] for each in draft.reader.take()]
         if told:
             raise RulesetError(*told)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from enum import StrEnum
+from functools import lru_cache
 from typing import Final
 
 from ..errors import RulesetError
@@ -63,8 +64,11 @@ class Passing(StrEnum):
     PREFERRED = "preferred"
 
 
+@lru_cache(maxsize=64)  # a base of several rulesets is read once
 def read_draft(text: str, source: str, vocabulary: Vocabulary) -> Draft:
     """Read the text of a ruleset file.
+
+    Its reader takes what is found when the draft is put on its base; who finds it takes it out again.
 
     Raises
     ------

@@ -41,7 +41,7 @@ def check_consistency(
     rulesets: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="RULESET…", help="Ids of rulesets, or paths of their files.", show_default=False
+            metavar="RULESET", help="Ids of rulesets, or paths of their files.", show_default=False
         ),
     ] = None,
     border: Annotated[

@@ -69,11 +69,13 @@ def test_examples_are_written_as_files_that_are_read_and_checked(tmp_path: Path)
         assert {"bpr", "tran2026"} == read.cases[0].expected.keys()
     for scenario in scenarios[:5]:
         assert ccas("check", scenario).exit_code == 0
-        (pair,) = json.loads(ccas("graph", scenario, "--json").stdout).get("edges") or [None]
-        (turned,) = json.loads(ccas("graph", scenario, "--ruleset", "tran2026", "--json").stdout).get(
-            "edges"
-        ) or [None]
-        assert pair != turned
+        assert said(scenario) != said(scenario, "--ruleset", "tran2026")
+
+
+def said(scenario: Path, *options: str) -> list[tuple[object, ...]]:
+    """Verdicts of the two ships of a scenario."""
+    (pair,) = json.loads(ccas("explain", scenario, *options, "--json").stdout)
+    return [(view["kind"], view["give_way"], view["pass"]) for view in pair["verdicts"].values()]
 
 
 def test_two_versions_of_one_file_are_compared(changed: Path) -> None:

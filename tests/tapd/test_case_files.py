@@ -201,6 +201,17 @@ REFUSED = {
     ),
     "partly placed": (PLACED, "course_deg: 180, ", "", 5, 23, "the key 'course_deg' is missing here"),
     "placed oddly": (PLACED, "speed_mps: 0", "speed_mps: fast", 5, 77, "this is no finite number"),
+    "placed nowhere": (PLACED, "north_m: 100", "north_m: 9e300", 5, 33, "9e+300 is out of range"),
+    "too fast": (PLACED, "speed_mps: 0", "speed_mps: 101", 5, 77, "101 is out of range"),
+    "backwards": (PLACED, "speed_mps: 0", "speed_mps: -1", 5, 77, "-1 is out of range"),
+    "bearing of nobody": (
+        CASE,
+        "on_starboard: a",
+        "on_starboard: a, bearing_of_c_from_a_deg: 3",
+        10,
+        64,
+        "unknown key 'bearing_of_c_from_a_deg'",
+    ),
     "placed with more": (PLACED, "speed_mps: 0", "speed_mps: 0, wind: 3", 5, 80, "unknown key 'wind'"),
     "list of a pair": (DEFAULTS, "[[a, b], [b, c]]", "[[a], [b, c]]", 12, 57, "a list of 1"),
     "default": (DEFAULTS, "length_m: 7", "length: 7", 5, 19, "unknown fact of a ship 'length'"),
@@ -296,7 +307,15 @@ def test_test_of_a_ruleset_has_units_beside_its_numbers() -> None:
     assert stated.expected["small"].rule == "ferry"
 
 
+def test_hints_for_the_reader_are_read_and_left_alone() -> None:
+    hints = "tcpa_s: 3, dcpa_m: 4, bearing_of_b_from_a_deg: 30, bearing_of_a_from_b_deg: -30"
+    case = only(CASE.replace("on_starboard: a", f"on_starboard: a, {hints}"))
+
+    assert case.encounter == only(CASE).encounter
+
+
 TEST_FAULTS = {
+    "place off the earth": ("at: [0 m, 0 m]", "at: [0 m, 1e9 m]", 6, "is out of range"),
     "number without unit": ("length: 12 m", "length: 12", 5, "'12' has no unit"),
     "another unit": ("length: 12 m", "length: 12 s", 5, "'12 s' is a time, not a length"),
     "key with unit": ("length: 12 m", "length_m: 12", 5, "unknown fact of a ship 'length_m'"),

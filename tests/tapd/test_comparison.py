@@ -184,5 +184,5 @@ def test_ships_under_way_become_a_scenario_that_reads_back() -> None:
 
 
 def test_encounter_with_a_stated_geometry_cannot_be_sailed() -> None:
-    with pytest.raises(ValueError, match="is not about two ships under way"):
+    with pytest.raises(ValueError, match="is not about ships that are all under way"):
         scenario_of(generated(1)[0], "bpr")
