@@ -2,8 +2,8 @@
 
     python studies/soundness.py --count 1000000 --processes 2 --budget 60
 
-Each ruleset is proved first.  Then its share of the encounters is drawn, seeded, and judged from both sides; an
-encounter that contradicts a property which was proved is printed, and the exit status is 1.
+Each ruleset is proved first.  Then its share of the encounters is drawn, seeded, and judged from both sides;
+an encounter that contradicts a property which was proved is printed, and the exit status is 1.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def main() -> int:
     sound = True
     with ProcessPoolExecutor(given.processes) as pool:
         for line, well in pool.map(work, names):
-            print(line, flush=True)  # noqa: T201
+            print(line, flush=True)
             sound = sound and well
     return 0 if sound else 1
 

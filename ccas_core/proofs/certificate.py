@@ -24,7 +24,6 @@ from .certificate_check import RELATIONS, SCHEMA, Covered, Lemma, Part, clause_o
 from .clauses import Coding
 from .solver import Budget
 from .statements import TRUE_NODE, Statement, Statements
-from .symbols import real_term
 
 MOST_ROUNDS: Final = 400  # of proposals for one statement
 BUDGET: Final = 60.0  # for a certificate [s]
@@ -91,38 +90,33 @@ class _Maker:
     budget: Budget
     lemmas: list[Lemma] = field(default_factory=list)
     _coding: Coding = field(init=False)
+    _context: Any = field(default_factory=z3.Context)  # of its own: what was asked before changes nothing
     _linear: Any = field(init=False)
     _asserted: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self._coding = Coding(self.statements.table)
-        self._linear = z3.SimpleSolver()
+        self._linear = z3.SimpleSolver(ctx=self._context)
         self._linear.set("rlimit", _EFFORT)
 
     def proof(self, statement: Statement) -> dict[str, Any] | None:
         """Parts and lemmas by which a statement is impossible; None if linear arithmetic does not show it."""
-        solver = z3.SimpleSolver()
+        solver = z3.SimpleSolver(ctx=self._context)
         solver.set("rlimit", _EFFORT)
         solver.set("random_seed", 0)
         meaning, literals = self._coding.meaning(statement.parts)
-        solver.add(*map(_clause, meaning))
+        solver.add(*map(self._clause, meaning))
         for n, literal in enumerate(literals):
-            solver.add(z3.Implies(z3.Bool(f"part {n}"), _term(literal)))
+            solver.add(z3.Implies(self._bool(f"part {n}"), self._term(literal)))
         solver.add(*(self._lemma_term(n, lemma) for n, lemma in enumerate(self.lemmas)))
         for _ in range(MOST_ROUNDS):
             if self.budget.spent:
                 return None
-            lemmas = [z3.Bool(f"lemma {n}") for n in range(len(self.lemmas))]
-            parts = [z3.Bool(f"part {n}") for n in range(len(statement.parts))]
+            lemmas = [self._bool(f"lemma {n}") for n in range(len(self.lemmas))]
+            parts = [self._bool(f"part {n}") for n in range(len(statement.parts))]
             outcome = solver.check(*parts, *lemmas)
             if outcome == z3.unsat:
-                core = {str(each) for each in solver.unsat_core()}
-                return {
-                    "property": statement.property,
-                    "title": statement.title,
-                    "parts": [n for n in range(len(parts)) if f"part {n}" in core],
-                    "lemmas": [n for n in range(len(lemmas)) if f"lemma {n}" in core],
-                }
+                return _told(statement, self._needed(solver))
             if outcome != z3.sat:
                 return None
             lemma = self._refuted(self._supporting(solver.model(), statement.parts))
@@ -132,6 +126,12 @@ class _Maker:
             solver.add(self._lemma_term(len(self.lemmas) - 1, lemma))
         return None
 
+    def _needed(self, solver: Any) -> list[str]:
+        """Names of parts and lemmas of which none can be left out."""
+        core = sorted(str(each) for each in solver.unsat_core())
+        found = _least(lambda some: solver.check(*map(self._bool, some)) == z3.unsat, core)
+        return found or core
+
     def _literal(self, part: int) -> int:
         kind, *rest = node = self.statements.table.nodes[part]
         if kind == "not":
@@ -140,7 +140,7 @@ class _Maker:
 
     def _lemma_term(self, n: int, lemma: Lemma) -> Any:
         clause = clause_of(self._coding, self.statements, lemma)
-        return z3.Implies(z3.Bool(f"lemma {n}"), _clause(clause))
+        return z3.Implies(self._bool(f"lemma {n}"), self._clause(clause))
 
     def _supporting(self, model: Any, parts: Iterable[int]) -> list[Signed]:
         """Signs that a model needs for the parts to hold."""
@@ -148,7 +148,7 @@ class _Maker:
         found: dict[Signed, None] = {}
 
         def true(literal: int) -> bool:
-            value = z3.is_true(model.eval(z3.Bool(f"v{abs(literal)}"), model_completion=True))
+            value = z3.is_true(model.eval(self._bool(f"v{abs(literal)}"), model_completion=True))
             return value is (literal > 0)
 
         def support(number: int, *, holds: bool) -> None:
@@ -177,30 +177,33 @@ class _Maker:
         """The least part of some signs that arithmetic refutes, as a lemma."""
         for place in {place for place, _ in signs} - self._asserted:
             self._assert(place)
-        names = {f"{place} {relation}": (place, relation) for place, relation in signs}
-        if (core := _least(self._linearly, list(names))) is not None:
-            return multiplied(self._joined([names[each] for each in core]), products=False)
-        core = _least(lambda some: self._nonlinearly([names[each] for each in some]), list(names))
-        if core is None:
-            return None
-        return multiplied(self._joined([names[each] for each in core]), products=True)
+        # What has few variables is kept: its factors are found more easily.
+        names = {
+            f"{place} {relation}": (place, relation)
+            for place, relation in sorted(signs, key=lambda each: (-self._size(each[0]), each))
+        }
+        for refuted, products in ((self._linearly, False), (self._nonlinearly, True)):
+            core = _least(lambda some: refuted([names[each] for each in some]), list(names))  # noqa: B023
+            if core is not None:
+                return multiplied(self._joined([names[each] for each in core]), products=products)
+        return None
 
-    def _linearly(self, names: Sequence[str]) -> Sequence[str] | None:
-        """Signs by name that linear arithmetic refutes, out of some; None if it does not."""
-        if self._linear.check(*map(z3.Bool, names)) != z3.unsat:
-            return None
-        return [str(each) for each in self._linear.unsat_core()]
+    def _size(self, place: int) -> int:
+        return len(self.statements.table.polynomials[place].variables)
 
-    def _nonlinearly(self, signs: Sequence[Signed]) -> Sequence[str] | None:
-        """The same with nonlinear arithmetic, of which every question is asked afresh."""
-        solver = z3.SimpleSolver()
+    def _linearly(self, signs: Sequence[Signed]) -> bool:
+        """Whether linear arithmetic refutes some signs."""
+        wanted = (self._bool(f"{place} {relation}") for place, relation in signs)
+        return bool(self._linear.check(*wanted) == z3.unsat)
+
+    def _nonlinearly(self, signs: Sequence[Signed]) -> bool:
+        """Whether nonlinear arithmetic does, of which every question is asked afresh."""
+        solver = z3.SimpleSolver(ctx=self._context)
         solver.set("rlimit", _NONLINEAR)
         for place, relation in signs:
-            value = real_term(self.statements.table.polynomials[place])
-            solver.add(z3.Implies(z3.Bool(f"{place} {relation}"), _said(value, relation)))
-        if solver.check(*(z3.Bool(f"{place} {relation}") for place, relation in signs)) != z3.unsat:
-            return None
-        return [str(each) for each in solver.unsat_core()]
+            polynomial = self.statements.table.polynomials[place]
+            solver.add(_said(_value_of(polynomial, self._context, products=True), relation))
+        return bool(solver.check() == z3.unsat)
 
     def _joined(self, signs: Sequence[Signed]) -> list[tuple[Polynomial, str]]:
         """Signs with their polynomials; at least zero and at most zero is zero."""
@@ -212,29 +215,51 @@ class _Maker:
     def _assert(self, place: int) -> None:
         self._asserted.add(place)
         polynomial = self.statements.table.polynomials[place]
-        value = _linear_term(polynomial)
+        value = _value_of(polynomial, self._context, products=False)
         for relation in (">", "<", ">=", "<="):
-            self._linear.add(z3.Implies(z3.Bool(f"{place} {relation}"), _said(value, relation)))
+            self._linear.add(z3.Implies(self._bool(f"{place} {relation}"), _said(value, relation)))
         for monomial in _squares([polynomial]):
-            self._linear.add(z3.Real("*".join(monomial)) >= 0)
+            self._linear.add(z3.Real("*".join(monomial), self._context) >= 0)
+
+    def _bool(self, name: str) -> Any:
+        return z3.Bool(name, self._context)
+
+    def _term(self, literal: int) -> Any:
+        flag = self._bool(f"v{abs(literal)}")
+        return flag if literal > 0 else z3.Not(flag)
+
+    def _clause(self, clause: Sequence[int]) -> Any:
+        return z3.Or(*(self._term(literal) for literal in clause), z3.BoolVal(False, self._context))  # noqa: FBT003
+
+
+def _told(statement: Statement, needed: Sequence[str]) -> dict[str, Any]:
+    def numbers(kind: str) -> list[int]:
+        return sorted(int(name.split()[1]) for name in needed if name.startswith(kind))
+
+    return {
+        "property": statement.property,
+        "title": statement.title,
+        "parts": numbers("part"),
+        "lemmas": numbers("lemma"),
+    }
 
 
 def _said(value: Any, relation: str) -> Any:
     return {">": value > 0, "<": value < 0, ">=": value >= 0, "<=": value <= 0}[relation]
 
 
-def _least(
-    refuted: Callable[[Sequence[str]], Sequence[str] | None], names: Sequence[str]
-) -> list[str] | None:
-    """Names of which none can be left out, if they are to be refuted; None if they are not."""
-    found = refuted(names)
-    if found is None:
+def _least(refuted: Callable[[Sequence[str]], bool], names: Sequence[str]) -> list[str] | None:
+    """Names of which none can be left out, if they are to be refuted; None if they are not.
+
+    They are tried in this order, so that what stands last is kept.
+    """
+    if not refuted(names):
         return None
-    core = list(found)
-    for name in list(core):
-        fewer = refuted([each for each in core if each != name]) if name in core else None
-        if fewer is not None:
-            core = [each for each in core if each in fewer]
+    core = list(names)
+    for name in names:
+        fewer = [each for each in core if each != name]
+        if refuted(fewer):
+            core = fewer
     return core
 
 
@@ -258,25 +283,28 @@ def multiplied(signs: Sequence[tuple[Polynomial, str]], *, products: bool) -> Le
     """
     parts = list(dict.fromkeys(_parts(signs, products=products)))
     bare = Lemma(signs=tuple(signs), parts=())
-    solver = z3.SimpleSolver()
+    context = z3.Context()
+    solver = z3.SimpleSolver(ctx=context)
     solver.set("rlimit", _EFFORT)
     sums: dict[Monomial, list[Any]] = {}
     strict = []
     for n, part in enumerate(parts):
-        factor = z3.Real(f"a{n}")
+        factor = z3.Real(f"a{n}", context)
         relations = [signs[each][1] for each in part.of]
         if "=" not in relations:
             solver.add(factor >= 0)
         if not part.monomial and all(RELATIONS[relation][1] for relation in relations):
             strict.append(factor)
         for monomial, coefficient in bare.product(part).terms:
-            term = z3.RatVal(coefficient.numerator, coefficient.denominator) * factor
+            term = _rational(coefficient, context) * factor
             sums.setdefault(monomial, []).append(term)
+    if not strict:
+        return None
     solver.add(*(z3.Sum(each) == 0 for each in sums.values()), z3.Sum(strict) == 1)
     if solver.check() != z3.sat:
         return None
     model = solver.model()
-    found = [replace(part, times=_value(model, z3.Real(f"a{n}"))) for n, part in enumerate(parts)]
+    found = [replace(part, times=_value(model, z3.Real(f"a{n}", context))) for n, part in enumerate(parts)]
     return Lemma(signs=tuple(signs), parts=tuple(part for part in found if part.times))
 
 
@@ -316,19 +344,16 @@ def _squares(polynomials: Iterable[Polynomial]) -> list[Monomial]:
     return sorted(each for each in monomials if all(each.count(name) % 2 == 0 for name in each))
 
 
-def _linear_term(polynomial: Polynomial) -> Any:
-    return z3.Sum(
-        [
-            z3.RatVal(factor.numerator, factor.denominator) * (z3.Real("*".join(monomial)) if monomial else 1)
-            for monomial, factor in polynomial.terms
-        ]
-    )
+def _value_of(polynomial: Polynomial, context: Any, *, products: bool) -> Any:
+    """A polynomial as a term: with products, or with a variable for each monomial."""
+    total = z3.RealVal(0, context)
+    for monomial, factor in polynomial.terms:
+        term = _rational(factor, context)
+        for name in monomial if products else ("*".join(monomial),) if monomial else ():
+            term = term * z3.Real(name, context)
+        total = total + term
+    return total
 
 
-def _term(literal: int) -> Any:
-    flag = z3.Bool(f"v{abs(literal)}")
-    return flag if literal > 0 else z3.Not(flag)
-
-
-def _clause(clause: Sequence[int]) -> Any:
-    return z3.Or([_term(literal) for literal in clause])
+def _rational(value: Fraction, context: Any) -> Any:
+    return z3.Q(value.numerator, value.denominator, ctx=context)

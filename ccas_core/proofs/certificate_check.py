@@ -6,8 +6,8 @@ statements are made anew from the ruleset; of the certificate only the lemmas ar
 
 A lemma is verified as an identity.  Its polynomials are turned so that each is claimed to be greater than
 zero, at least zero, or zero.  Then a sum of terms, each a factor >= 0 times some of these polynomials times
-the square of a monomial, cannot be identically zero if one of the terms is greater than zero.  A term that has a
-polynomial which is claimed to be zero may have any factor and any monomial.
+the square of a monomial, cannot be identically zero if one of the terms is greater than zero.  A term with a
+polynomial that is claimed to be zero may have any factor and any monomial.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class CertificateError(InputError):
 class Covered:
     """A property, and for how many of its statements there is a certificate."""
 
-    property: str
+    name: str
     proved: tuple[str, ...]  # titles
     open: tuple[str, ...]
 
@@ -51,9 +51,9 @@ class Covered:
 
     def __str__(self) -> str:
         if self.whole:
-            return f"{self.property}: certificate for all of {len(self.proved)} statements"
+            return f"{self.name}: certificate for all of {len(self.proved)} statements"
         count = len(self.proved) + len(self.open)
-        return f"{self.property}: certificate for {len(self.proved)} of {count} statements"
+        return f"{self.name}: certificate for {len(self.proved)} of {count} statements"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,9 +133,9 @@ def verify(certificate: str, ruleset: WrittenRuleset) -> tuple[Covered, ...]:
     proved: dict[str, list[str]] = {}
     open_: dict[str, list[str]] = {}
     for statement in statements.all:
-        key = statement.property, statement.title
-        if key in told:
-            _verify(statements, statement, told.pop(key), lemmas)
+        named = statement.property, statement.title
+        if named in told:
+            _verify(statements, statement, told.pop(named), lemmas)
             proved.setdefault(statement.property, []).append(statement.title)
         else:
             open_.setdefault(statement.property, []).append(statement.title)
@@ -146,7 +146,7 @@ def verify(certificate: str, ruleset: WrittenRuleset) -> tuple[Covered, ...]:
 
 def _covered(proved: Mapping[str, list[str]], open_: Mapping[str, list[str]]) -> Iterator[Covered]:
     for name in dict.fromkeys((*proved, *open_)):
-        yield Covered(property=name, proved=tuple(proved.get(name, ())), open=tuple(open_.get(name, ())))
+        yield Covered(name=name, proved=tuple(proved.get(name, ())), open=tuple(open_.get(name, ())))
 
 
 def _verify(statements: Statements, statement: Statement, told: Any, lemmas: list[Lemma]) -> None:

@@ -1,8 +1,8 @@
 """How near encounters lie to a limit: a ruleset may be consistent, and ships that measure still disagree.
 
-Random encounters at risk are judged twice more, by each ship from what it would measure: its own errors of
-position, course and speed, drawn anew for both ships.  Where that changes a verdict, the encounter lies closer
-to a limit than the sensors can tell; where the two views no longer fit, the ships disagree until they have
+Random encounters at risk are judged once more by each ship, from what it would measure: errors of position,
+course and speed are drawn anew for both ships.  Where that changes a verdict, the encounter lies closer to a
+limit than the sensors can tell; where the two views no longer fit, the ships disagree until they have
 exchanged what they decided.
 """
 
@@ -62,8 +62,10 @@ class Share:
             return 0.0, 1.0
         share, square = self.value, _NORMAL * _NORMAL
         middle = share + square / (2.0 * self.of)
-        reach = _NORMAL * math.sqrt(share * (1.0 - share) / self.of + square / (4.0 * self.of * self.of))
-        return tuple(max(0.0, min(1.0, (middle + s * reach) / (1.0 + square / self.of))) for s in (-1, 1))  # type: ignore[return-value]
+        spread = share * (1.0 - share) / self.of + square / (4.0 * self.of * self.of)
+        reach = _NORMAL * math.sqrt(spread)
+        low, high = ((middle + s * reach) / (1.0 + square / self.of) for s in (-1.0, 1.0))
+        return max(0.0, low), min(1.0, high)
 
     def __str__(self) -> str:
         low, high = self.interval
@@ -72,7 +74,7 @@ class Share:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nearness:
-    """Shares of random encounters at risk under an error; rules whose ships disagree most often come first."""
+    """Shares of random encounters at risk under an error; the rules that are worst come first."""
 
     error: SensorError
     near: Share  # some view is another than without the error
@@ -109,7 +111,7 @@ def nearness(ruleset: WrittenRuleset, error: SensorError, count: int = ENCOUNTER
     rng = np.random.default_rng(seed)
     total = near = apart = 0
     rules: dict[str, int] = {}
-    for trial in trials(ruleset, count, seed):
+    for trial in trials(ruleset, count, seed, plain=True):
         if trial.seen[0]["risk_of_collision"] is not True:
             continue
         total += 1

@@ -1,8 +1,8 @@
 """Ships for what the solver takes for possible: from its model, from round numbers, and placed by it.
 
-A model of the linear stage gives facts; where the ships are is then tried (`search`).  A model of the nonlinear
-stage gives places, too.  Where neither reaches the goal, say in a narrow window between two limits, round
-velocities are given, and the solver is asked for places alone: motion is then linear, or nearly so.
+A model of the linear stage gives facts; where the ships are is then tried (`search`).  A model of the
+nonlinear stage gives places, too.  Where neither reaches the goal, say in a narrow window between two limits,
+round velocities are given, and the solver is asked for places alone: motion is then linear, or nearly so.
 """
 
 from __future__ import annotations

@@ -87,10 +87,10 @@ def suggested(
             by_ship[owner][fact] = word or value
         elif "-" in owner:
             pair[fact] = value
-    for name, value in _written_numbers(text, answer.numbers, atoms).items():
+    for name, number in _written_numbers(text, answer.numbers, atoms).items():
         owner, _, fact = name.partition(".")
-        if not (fact in ("beam", "weight") and value <= 0.0):  # no ship is so; it has a usual one
-            (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = value
+        if not (fact in ("beam", "weight") and number <= 0.0):  # no ship is so; it has a usual one
+            (waterway if owner == "waterway" else by_ship.get(owner, {}))[fact] = number
     for stated in by_ship.values():
         stated.setdefault("beam", beam_of(stated["length"]))
     times = {

@@ -96,18 +96,25 @@ def _limits(text: RulesetText, formulas: Sequence[Formula]) -> dict[str, tuple[f
     return {name: tuple(sorted(values)) for name, values in found.items()}
 
 
-def trials(ruleset: WrittenRuleset, count: int, seed: int) -> Iterator[Trial]:
-    """Random encounters within the domain of a ruleset, judged from both sides."""
+def trials(ruleset: WrittenRuleset, count: int, seed: int, *, plain: bool = False) -> Iterator[Trial]:
+    """Random encounters within the domain of a ruleset, judged from both sides.
+
+    `plain` ones are as they come: nothing in them is set to a limit, or alike on purpose.
+    """
     rng = np.random.default_rng(seed)
     text = ruleset.text
     asked = asked_by(text)
+    if plain:
+        asked = replace(asked, limits={})
     assumed = program(text.domain.assume, text.vocabulary, text.constants)
     speeds = (float(text.domain.speed[0]), float(text.domain.speed[1]))
     left = count
     while left > 0:
         for places in meetings(rng, speeds, float(text.domain.separation), 4 * left):
-            case = case_of(_facts(rng, asked, text), _varied(rng, places))
-            facts = _timed(rng, pair_facts(case, A, B, text.vocabulary))
+            varied = _plain(rng, places, speeds) if plain else _varied(rng, places)
+            case = case_of(_facts(rng, asked, text), varied)
+            facts = pair_facts(case, A, B, text.vocabulary)
+            facts = facts if plain else _timed(rng, facts)
             turned = facts.mirrored()
             seen, own, swapped = ruleset.recognised(facts)
             if not all(
@@ -202,6 +209,20 @@ def _varied(
     elif draw < 0.45:
         varied[B] = (north, east, course, varied[A][3])
     return varied
+
+
+def _plain(
+    rng: np.random.Generator,
+    places: Mapping[str, tuple[float, float, float, float]],
+    speeds: tuple[float, float],
+) -> dict[str, tuple[float, float, float, float]]:
+    """Places, courses and speeds off the grid."""
+    moved = {}
+    for ship, (north, east, course, speed) in places.items():
+        n, e, c, s = (float(each) for each in rng.uniform(-1.0, 1.0, 4))
+        near = min(max(speed + 0.25 * s, speeds[0]), speeds[1])
+        moved[ship] = (north + 10.0 * n, east + 10.0 * e, course + 10.0 * c, near)
+    return moved
 
 
 def _timed(rng: np.random.Generator, facts: PairFacts) -> PairFacts:

@@ -19,6 +19,8 @@ from ..verdict import OPPOSITE, Kind, Verdict
 from .facts import PairFacts
 from .guesses import guessed
 from .language.code import Decision, Program, UnknownFact, program
+from .language.formula import Formula
+from .language.threefold import truth
 from .python_rules import PairView, PythonRule, ruled
 from .recognition import RECOGNISED, Arguments, Recogniser, conditions_of
 from .rules import DEFAULT_ORDER, Criterion, Mirror, Outcome, Policy, Rule, RulesetText, Side
@@ -52,6 +54,8 @@ class WrittenRuleset(PairRuleset):
         self.id, self.version, self.title = text.id, text.version, text.title
         self._python = dict(python or {})
         self._criteria = dict(criteria or {})
+        self._leaves: dict[Formula, Program] = {}
+        self._mutant = False
         places = text.vocabulary.places[Scope.PAIR]
         self._places = tuple(places[name] for name in RECOGNISED)
         self._told: dict[tuple[str, bool], ToldFacts] = {}
@@ -155,20 +159,42 @@ class WrittenRuleset(PairRuleset):
         return tuple(filled)
 
     def applied(self, own: Arguments, swapped: Arguments, facts: PairFacts) -> list[Applied]:
-        """Rules that apply: the first one, or all of them where the policy is `unique`."""
-        both = self.text.mirror is Mirror.AUTO
+        """Rules that apply: the first one, or all of them where the policy is `unique`.
+
+        A rule that applies is asked the other way round, too: whether a fact has to be known must not depend
+        on which of the ships looks, or they would disagree.
+        """
         first = self.text.policy is Policy.FIRST
+        both = self.text.mirror is Mirror.AUTO
         found: list[Applied] = []
         for rule, decide in zip(self.text.rules, self._decisions, strict=True):
-            if decide(*own) and (outcome := self._outcome(rule, facts, swapped=False)):
-                found.append(Applied(rule, outcome, swapped=False))
-                if first:
-                    break
-            if both and decide(*swapped) and (outcome := self._outcome(rule, facts, swapped=True)):
-                found.append(Applied(rule, outcome, swapped=True))
-                if first:
-                    break
+            here = self._holds(rule, decide, own)
+            there = both and self._holds(rule, decide, swapped)
+            for turned, applies in ((False, here), (True, there)):
+                if applies and (outcome := self._outcome(rule, facts, swapped=turned)):
+                    found.append(Applied(rule, outcome, swapped=turned))
+                    if first:
+                        return found
         return found
+
+    def _holds(self, rule: Rule, decide: Any, arguments: Arguments) -> bool:
+        """Whether a condition holds; a fact that is not known is asked for only if it makes a difference."""
+        try:
+            return bool(decide(*arguments))
+        except UnknownFact:
+            value = None if self._mutant else truth(rule.condition, lambda leaf: self._leaf(leaf, arguments))
+            if value is None:
+                raise
+            return value
+
+    def _leaf(self, formula: Formula, arguments: Arguments) -> bool | None:
+        if formula not in self._leaves:
+            self._leaves[formula] = program([formula], self.text.vocabulary, self.text.constants)
+        compiled = self._leaves[formula]
+        try:
+            return bool(compiled.decisions[0](*arguments[:5], [None] * compiled.memory))
+        except UnknownFact:
+            return None
 
     def assumptions(self, facts: PairFacts) -> bool:
         """Whether a pair keeps to what the ruleset assumes of its domain, as far as that is known."""
@@ -217,6 +243,7 @@ class WrittenRuleset(PairRuleset):
         decide = self._decisions[index]
         wrong = (lambda *seen: not decide(*seen)) if negated else (lambda *_: False)
         decisions = (*self._decisions[:index], wrong, *self._decisions[index + 1 :])
+        mutant._mutant = True
         mutant.__dict__ |= {"_program": self._program, "_decisions": decisions}
         return mutant
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ccas_core.plugins import Plugins
     from ccas_core.proofs.evidence import Entry
     from ccas_core.proofs.findings import Finding
+    from ccas_core.proofs.nearness import SensorError
     from ccas_core.tapd.written import WrittenRuleset
 
 Rulesets: TypeAlias = "tuple[WrittenRuleset, ...]"
@@ -105,6 +106,15 @@ def check_consistency(
             show_default=False,
         ),
     ] = None,
+    sensor_error: Annotated[
+        str | None,
+        typer.Option(
+            "--sensor-error",
+            metavar="M,DEG,MPS",
+            help="Also tell how often ships disagree that measure place, course and speed with this error.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: talk.AsJson = False,
     no_pictures: Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")] = False,
 ) -> None:
@@ -141,6 +151,7 @@ def check_consistency(
     pair = (
         None if border is None else (written_ruleset(plugins, border[0]), written_ruleset(plugins, border[1]))
     )
+    error = None if sensor_error is None else _sensors(sensor_error)
     if certificate is not None and len(chosen) != 1:
         raise InputError(Diagnostic(source="--certificate", message="a certificate is of one ruleset"))
     entries, interrupted = _looked(chosen, old, pair, wanted, quiet=as_json)
@@ -148,9 +159,29 @@ def check_consistency(
     if interrupted:
         talk.note("interrupted; what was known by then is shown")
         raise typer.Exit(Code.INTERRUPTED)
+    for _, ruleset in chosen if error is not None else ():
+        _tell_nearness(ruleset, error)
     if certificate is not None:
         _certify(chosen[0][1], certificate, budget)
     _leave([finding for entry in entries for finding in entry.findings])
+
+
+def _sensors(text: str) -> SensorError:
+    from ccas_core.proofs.nearness import parsed
+
+    try:
+        return parsed(text)
+    except ValueError as error:
+        expected = "metres, degrees and metres a second, such as 10,1,0.1"
+        raise InputError(Diagnostic(source="--sensor-error", message=str(error), expected=expected)) from None
+
+
+def _tell_nearness(ruleset: WrittenRuleset, error: SensorError | None) -> None:
+    from ccas_core.proofs.nearness import nearness
+
+    if error is not None:
+        for line in (f"{ruleset.id}:", *nearness(ruleset, error).lines()):
+            talk.note(line)
 
 
 def _certify(ruleset: WrittenRuleset, path: Path, budget: float) -> None:

@@ -1,4 +1,4 @@
-"""`ccas check-consistency --certificate` and `ccas verify-certificate`."""
+"""`ccas verify-certificate`, and the options of `ccas check-consistency` that go with it."""
 
 from __future__ import annotations
 
@@ -43,3 +43,16 @@ def test_a_certificate_is_none_of_another_ruleset(tmp_path: Path) -> None:
 
     assert done.exit_code == 1
     assert "it is about ruleset tran2026, the ruleset has bpr" in done.stderr
+
+
+def test_how_near_encounters_lie_to_a_limit_is_told(tmp_path: Path) -> None:
+    wanted = ("--property", "consistent", "--out", tmp_path, "--sensor-error")
+
+    done = ccas("check-consistency", "tran2026", *wanted, "10,1,0.1")
+    wrong = ccas("check-consistency", "tran2026", *wanted, "10")
+
+    assert done.exit_code == 0
+    assert "with sensor errors of 10 m, 1 deg and 0.1 m/s" in done.stderr
+    assert "ships disagree until they exchange verdicts" in done.stderr
+    assert wrong.exit_code == 2
+    assert "three numbers are needed" in wrong.stderr

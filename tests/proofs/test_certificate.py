@@ -39,7 +39,7 @@ def proof(ruleset: WrittenRuleset) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", ["tran2026", "bpr", "cn_inland", "de_binsch"])
 def test_a_shipped_ruleset_that_is_consistent_has_a_certificate_for_it(name: str, tmp_path: Path) -> None:
-    covered = {each.property: each for each in write_certificate(shipped(name), tmp_path / "proof.json")}
+    covered = {each.name: each for each in write_certificate(shipped(name), tmp_path / "proof.json")}
 
     assert covered["consistent"].whole
     assert covered["mirror_sound"].whole
@@ -51,13 +51,13 @@ def test_a_ruleset_that_is_complete_has_a_certificate_for_that_too(
 ) -> None:
     covered = verify(json.dumps(proof), ruleset)
 
-    assert [each.property for each in covered] == ["consistent", "mirror_sound", "complete"]
-    assert all(each.whole for each in covered)
+    assert [each.name for each in covered] == ["consistent", "mirror_sound", "complete"]
+    assert [each.open for each in covered] == [(), (), ()]
 
 
 @pytest.mark.parametrize("name", ["gate_forgotten", "both_stand_on"])
 def test_there_is_no_certificate_for_what_is_refuted(name: str) -> None:
-    covered = {each.property: each for each in verify(certificate(broken(name)), broken(name))}
+    covered = {each.name: each for each in verify(certificate(broken(name)), broken(name))}
 
     for property_, each in covered.items():
         if finding(broken(name), property_).outcome is Outcome.REFUTED:

@@ -47,5 +47,5 @@ def test_a_share_of_nothing_says_nothing() -> None:
 
 @pytest.mark.parametrize("text", ["10", "1,2", "a,b,c", "-1,0,0", "nan,0,0"])
 def test_an_error_that_is_none_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="number|convert"):
+    with pytest.raises(ValueError, match=r"number|convert"):
         parsed(text)

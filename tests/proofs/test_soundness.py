@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import z3
 
 from ccas_core.proofs.findings import Outcome
 from ccas_core.proofs.questions import FRAME
-from ccas_core.proofs.search import A, B
-from ccas_core.proofs.symbols import Symbols, View, constants_of, real_term
+from ccas_core.proofs.search import A, B, Facts, case_of, judged
+from ccas_core.proofs.symbols import Symbols, Term, View, constants_of, real_term
 from ccas_core.proofs.trials import Trial, contradictions, trials
+from ccas_core.ships import UNKNOWN
 from ccas_core.tapd.facts import PairFacts
 from ccas_core.tapd.language.code import MOTION, Missing, program
 from ccas_core.tapd.language.formula import Sign, walk
 from ccas_core.tapd.rules import RulesetText
 from ccas_core.tapd.vocabulary import Scope
+from ccas_core.tapd.written import WrittenRuleset
+from ccas_core.verdict import Kind, agree
 
-from .rulesets import BROKEN, broken, finding, shipped
+from .rulesets import BROKEN, broken, finding, installed, shipped
 
 SHIPPED = (
     "bpr", "ccnr", "cevni", "cn_inland", "colregs", "de_binsch", "de_danube", "de_seesch", "tran2026",
@@ -109,6 +116,56 @@ def test_the_frame_of_the_proofs_changes_no_sign() -> None:
     assert len(framed.atoms) <= len(free.atoms)
 
 
+DRAUGHT = """
+  - id: shallow
+    cite: {article: "§ 2", text: A ferry of little draught waits for ships that are none}
+    when: own.draught < 3 m and risk and crossing and own.ferry and not other.ferry
+    then: give_way
+    replaces: ferry
+"""
+
+
+def test_ships_agree_though_a_number_that_one_of_them_looks_at_first_is_not_known(tmp_path: Path) -> None:
+    file = tmp_path / "shallow.yaml"
+    head = (BROKEN / "exception_swallows.repaired.yaml").read_text(encoding="utf-8").partition("rules:")[0]
+    head = head.replace("extends: exception", f"extends: {BROKEN}/exception")
+    file.write_text(f"{head}rules:{DRAUGHT}", encoding="utf-8")
+    ruleset = installed().rulesets.loaded(file)
+    assert isinstance(ruleset, WrittenRuleset)
+    places: dict[str, tuple[float, float, float, float]] = {
+        A: (0.0, 0.0, 0.0, 3.0),
+        B: (300.0, 300.0, 270.0, 3.0),
+    }
+    ships: dict[str, dict[str, Any]] = {
+        A: {"length": 50.0, "ferry": True, "draught": 2.0},
+        B: {"length": 50.0},
+    }
+
+    one, two = judged((ruleset, ruleset), case_of(Facts(ships, {}, {}), places))
+
+    assert finding(ruleset, "consistent").outcome is Outcome.PROVED
+    assert (one.kind, one.rule) == (Kind.GIVE_WAY, "shallow")
+    assert agree(one, two) == ""
+
+
+@pytest.mark.parametrize("name", ["bpr", "colregs", "tran2026"])
+def test_ships_agree_though_facts_are_not_known(name: str) -> None:
+    draw = np.random.default_rng(11)
+    ruleset = shipped(name)
+
+    for trial in trials(ruleset, 200, seed=12):
+        ships = tuple(replace(ship, facts=_forgotten(ship.facts, draw)) for ship in trial.case.ships)
+        one, two = judged((ruleset, ruleset), replace(trial.case, ships=ships))
+
+        assert agree(one, two) == "", (one, two)
+
+
+def _forgotten(facts: Mapping[str, Any], draw: np.random.Generator) -> dict[str, Any]:
+    return {
+        name: UNKNOWN if name != "length" and draw.random() < 0.15 else value for name, value in facts.items()
+    }
+
+
 def assert_signs_are_exact(text: RulesetText, trial: Trial) -> None:
     """Numeric conditions have the sign of the exact value, not of a rounded one."""
     signs = [part for rule in text.rules for part in walk(rule.condition) if isinstance(part, Sign)]
@@ -140,7 +197,7 @@ def exact_values(facts: PairFacts) -> dict[str, Any]:
     return named
 
 
-def _exact(value: Any) -> Any:
+def _exact(value: object) -> object:
     return Fraction(value) if isinstance(value, int | float) else value
 
 
@@ -166,9 +223,9 @@ class Meaning:
         self._numbers |= {n: v for n, v in exact_values(facts).items() if n.startswith("waterway.")}
         self._put = self._values()
 
-    def says(self, term: Any) -> bool:
+    def says(self, term: Term) -> bool:
         """Value of a term."""
-        return z3.is_true(z3.simplify(z3.substitute(term, *self._put)))
+        return bool(z3.is_true(z3.simplify(z3.substitute(term, *self._put))))
 
     def _values(self) -> list[tuple[Any, Any]]:
         put = [(z3.Bool(name), z3.BoolVal(self._flag(name))) for name in self._symbols.flags]
@@ -193,10 +250,10 @@ class Meaning:
         fact, is_, word = name.partition("=")
         value = self._value(fact)
         if fact == "waterway.regime":
-            return word in value
+            return isinstance(value, frozenset) and word in value
         return bool(value == word) if is_ else value is True
 
-    def _value(self, fact: str) -> Any:
+    def _value(self, fact: str) -> object:
         owner, _, tail = fact.partition(".")
         facts, places = self._facts, self._facts.vocabulary.places
         if owner == "waterway":

@@ -71,3 +71,26 @@ def examine(formula: Formula, decide: Callable[[Formula], Truth], say: Callable[
             )
         case _:
             return Finding(say(formula), decide(formula), None, (), formula)
+
+
+def truth(formula: Formula, decide: Callable[[Formula], Truth]) -> Truth:
+    """Value of a formula alone; see `examine`."""
+    match formula:
+        case Constant():
+            return formula.value
+        case Not():
+            part = truth(formula.part, decide)
+            return None if part is None else not part
+        case And() | Or():
+            settles = isinstance(formula, Or)  # the value of one part that decides the whole
+            unknown = False
+            for each in formula.parts:
+                value = truth(each, decide)
+                if value is settles:
+                    return settles
+                unknown = unknown or value is None
+            return None if unknown else not settles
+        case Named():
+            return truth(formula.part, decide)
+        case _:
+            return decide(formula)
