@@ -1,6 +1,7 @@
 """A run folder: what a voyage leaves on the disk, written as it sails.
 
-Four files: `scenario.yaml`, `frames.csv`, `decisions.jsonl`, and `summary.json`, which comes last and whole.
+Five files: `scenario.yaml`, `frames.csv`, `decisions.jsonl`, `plans.jsonl`, and `summary.json`, which comes
+last and whole.
 """
 
 from __future__ import annotations
@@ -23,11 +24,14 @@ from .conduct import is_met
 from .frame import Frame
 from .hulls import under_way
 from .metrics import guiding_frames, plain, safety_indices
+from .plan_log import plans
 from .scenario import Scenario
 
 SCENARIO: Final = "scenario.yaml"
 FRAMES: Final = "frames.csv"
 DECISIONS: Final = "decisions.jsonl"
+PLANS: Final = "plans.jsonl"
+REPLAY: Final = "replay.html"  # `ccas replay` puts it there
 SUMMARY: Final = "summary.json"
 COLUMNS: Final = (
     "time_s",
@@ -41,7 +45,16 @@ COLUMNS: Final = (
     "safety_index_m",
     "ruleset",
 )
-_OURS: Final = (SUMMARY, FRAMES, DECISIONS, SCENARIO, "frames.parquet", "*.png")  # the summary goes first
+_OURS: Final = (  # the summary goes first
+    SUMMARY,
+    FRAMES,
+    DECISIONS,
+    PLANS,
+    SCENARIO,
+    REPLAY,
+    "frames.parquet",
+    "*.png",
+)
 
 
 class RunWriter:
@@ -63,7 +76,8 @@ class RunWriter:
         self._ships = {plan.ship.id: plan.ship for plan in scenario.ships}
         self._lines = guiding_frames(scenario)
         self._met: set[tuple[ShipId, ShipId]] = set()
-        self._files: tuple[TextIO, TextIO] | None = None
+        self._step = scenario.time_step
+        self._files: tuple[TextIO, TextIO, TextIO] | None = None
         self._open = ExitStack()
         with explained(folder):
             _refuse_strangers(folder)
@@ -79,11 +93,13 @@ class RunWriter:
     def write(self, frame: Frame) -> None:
         """Add one frame."""
         with explained(self.folder):
-            rows, decisions = self._files or self._begin()
+            rows, decisions, planned = self._files or self._begin()
             rows.write(_csv(self._rows(frame)))
             rows.flush()
             decisions.write("".join(_json_line(each) for each in self._decisions(frame)))
             decisions.flush()
+            planned.write(_json_line(plans(frame, self._step), compact=True))
+            planned.flush()
 
     def finish(self, summary: Mapping[str, object]) -> None:
         """Add the summary, and close."""
@@ -104,18 +120,18 @@ class RunWriter:
         with explained(self.folder):
             self._open.close()
 
-    def _begin(self) -> tuple[TextIO, TextIO]:
+    def _begin(self) -> tuple[TextIO, TextIO, TextIO]:
         _refuse_strangers(self.folder)
         self.folder.mkdir(parents=True, exist_ok=True)
         for pattern in _OURS:
             for old in self.folder.glob(pattern):
                 old.unlink()
         (self.folder / SCENARIO).write_text(self._text, encoding="utf-8", newline="\n")
-        rows, decisions = (
+        rows, decisions, planned = (
             self._open.enter_context((self.folder / name).open("w", encoding="utf-8", newline=""))
-            for name in (FRAMES, DECISIONS)
+            for name in (FRAMES, DECISIONS, PLANS)
         )
-        self._files = rows, decisions
+        self._files = rows, decisions, planned
         rows.write(_csv([COLUMNS]))
         return self._files
 
@@ -238,5 +254,6 @@ def _csv(rows: Iterator[tuple[str, ...]] | list[tuple[str, ...]]) -> str:
     return text.getvalue()
 
 
-def _json_line(value: Mapping[str, object]) -> str:
-    return json.dumps(plain(value), ensure_ascii=False, allow_nan=False) + "\n"
+def _json_line(value: Mapping[str, object], *, compact: bool = False) -> str:
+    separators = (",", ":") if compact else None
+    return json.dumps(plain(value), ensure_ascii=False, allow_nan=False, separators=separators) + "\n"

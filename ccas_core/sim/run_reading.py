@@ -11,7 +11,7 @@ from typing import cast
 
 from ..errors import Diagnostic, InputError
 from ..ships import ShipId
-from .run_folder import COLUMNS, DECISIONS, FRAMES, SCENARIO, SUMMARY, explained, is_run
+from .run_folder import COLUMNS, DECISIONS, FRAMES, PLANS, SCENARIO, SUMMARY, explained, is_run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +38,7 @@ class Run:
     rows: tuple[Row, ...]
     decisions: tuple[Mapping[str, object], ...]
     summary: Mapping[str, object] | None
+    plans: tuple[Mapping[str, object], ...] = ()  # none in a run of a version that kept none
 
 
 def read_run(folder: Path) -> Run:
@@ -62,10 +63,8 @@ def read_run(folder: Path) -> Run:
         return Run(
             scenario=_text(folder / SCENARIO),
             rows=tuple(_read_rows(folder / FRAMES)),
-            decisions=tuple(
-                _read_object(folder / DECISIONS, line, number)
-                for number, line in enumerate(_whole_lines(folder / DECISIONS), start=1)
-            ),
+            decisions=tuple(_read_objects(folder / DECISIONS)),
+            plans=tuple(_read_objects(folder / PLANS)) if (folder / PLANS).exists() else (),
             summary=_read_object(summary, _text(summary)) if summary.exists() else None,
         )
 
@@ -87,6 +86,11 @@ def _read_rows(file: Path) -> Iterator[Row]:
             )
         except (KeyError, TypeError, ValueError) as error:
             raise _damaged(file, number, f"columns {', '.join(COLUMNS)}") from error
+
+
+def _read_objects(file: Path) -> Iterator[Mapping[str, object]]:
+    for number, line in enumerate(_whole_lines(file), start=1):
+        yield _read_object(file, line, number)
 
 
 def _read_object(file: Path, text: str, number: int = 1) -> Mapping[str, object]:

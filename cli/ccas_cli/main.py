@@ -22,6 +22,7 @@ from . import (
     inputs,
     new,
     plugins,
+    replaying,
     reproduce,
     rulesets,
     scenarios,
@@ -34,6 +35,7 @@ from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
+    replaying.replay,
     check.check,
     codes.code,
     testing.test,

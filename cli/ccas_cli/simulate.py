@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -42,10 +43,10 @@ def simulate(
 ) -> None:
     """Sail a scenario: ships find out who gives way, and plan together.
 
-    The run folder gets the scenario as it was resolved, `frames.csv` and `decisions.jsonl` while the
-    ships sail, then `summary.json` and pictures. On stdout comes a table, or with --json what
-    `summary.json` holds. Ctrl-C ends the voyage after the present period and keeps what was sailed; a second
-    one ends it at once. Exit code 1 if ships collided, ran aground or struck an obstacle.
+    The run folder gets the scenario as it was resolved, `frames.csv`, `decisions.jsonl` and `plans.jsonl`
+    while the ships sail, then `summary.json` and pictures; `ccas replay` plays it. On stdout comes a table, or
+    with --json what `summary.json` holds. Ctrl-C ends the voyage after the present period and keeps what was
+    sailed; a second one ends it at once. Exit code 1 if ships collided, ran aground or struck an obstacle.
 
     Example:
         ccas simulate tran2026/fig_12 --ruleset tran2026 --out runs/fig_12
@@ -60,6 +61,8 @@ def simulate(
         talk.show_json(sailed.summary)
     else:
         show_summary(sailed.summary, sailed.folder)
+    if not quiet:
+        talk.note(f"ccas replay {shlex.quote(str(sailed.folder))} plays it")
     if sailed.interrupted:
         talk.note(f"interrupted at {sailed.until:.0f} s; what was sailed is in {sailed.folder}")
         raise typer.Exit(Code.INTERRUPTED)

@@ -20,7 +20,7 @@ from ccas_core.sim.scenario_file import load_scenario
 
 from . import TWO_SHIPS, ccas, ccas_alone
 
-FILES = {"scenario.yaml", "frames.csv", "decisions.jsonl", "summary.json"}
+FILES = {"scenario.yaml", "frames.csv", "decisions.jsonl", "plans.jsonl", "summary.json"}
 REGION = "regions: [{id: rhine, ruleset: ccnrr, polygon: [[0, 0], [9, 0], [9, 9]]}]"
 
 # What is written, what is written instead, and where and what the message says.

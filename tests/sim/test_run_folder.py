@@ -52,7 +52,7 @@ def names(folder: Path) -> set[str]:
     return {file.name for file in folder.iterdir()}
 
 
-# --- the four files
+# --- the files
 
 
 def test_frames_have_the_columns_of_the_contract_and_one_row_a_ship_and_period(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_ship_alone_has_an_empty_safety_index(tmp_path: Path) -> None:
 def test_same_voyage_gives_the_same_bytes(tmp_path: Path) -> None:
     one, other = written(tmp_path / "one", sailed()), written(tmp_path / "other", sailed())
 
-    for name in ("frames.csv", "decisions.jsonl", "scenario.yaml", "summary.json"):
+    for name in ("frames.csv", "decisions.jsonl", "plans.jsonl", "scenario.yaml", "summary.json"):
         assert (one / name).read_bytes() == (other / name).read_bytes()
 
 
@@ -174,7 +174,7 @@ def test_folder_appears_with_the_first_frame(tmp_path: Path) -> None:
 
         writer.write(sailed()[0])
 
-        assert names(folder) == {"scenario.yaml", "frames.csv", "decisions.jsonl"}
+        assert names(folder) == {"scenario.yaml", "frames.csv", "decisions.jsonl", "plans.jsonl"}
 
 
 def test_run_that_is_broken_off_can_be_read(tmp_path: Path) -> None:
@@ -193,12 +193,12 @@ def test_run_that_is_broken_off_can_be_read(tmp_path: Path) -> None:
 
 def test_half_a_line_at_the_end_is_not_read(tmp_path: Path) -> None:
     folder = written(tmp_path / "run", sailed())
-    for name in ("frames.csv", "decisions.jsonl"):
+    for name in ("frames.csv", "decisions.jsonl", "plans.jsonl"):
         (folder / name).write_bytes((folder / name).read_bytes()[:-9])
 
     run = read_run(folder)
 
-    assert (len(run.rows), len(run.decisions)) == (11, 5)
+    assert (len(run.rows), len(run.decisions), len(run.plans)) == (11, 5, 5)
 
 
 def test_run_without_frames_has_no_summary(tmp_path: Path) -> None:
@@ -215,14 +215,14 @@ def test_run_without_frames_has_no_summary(tmp_path: Path) -> None:
 
 def test_earlier_run_is_replaced_and_what_is_not_ours_stays(tmp_path: Path) -> None:
     folder = written(tmp_path / "run", sailed(), solver="ipopt")
-    for name in ("paths.png", "notes.txt"):
+    for name in ("paths.png", "replay.html", "notes.txt"):
         (folder / name).write_text("", encoding="utf-8")
 
     with RunWriter(folder, HEAD_ON, TEXT) as writer:
         assert "summary.json" in names(folder)  # nothing is lost before there is something new
         writer.write(sailed()[0])
 
-    assert names(folder) == {"scenario.yaml", "frames.csv", "decisions.jsonl", "notes.txt"}
+    assert names(folder) == {"scenario.yaml", "frames.csv", "decisions.jsonl", "plans.jsonl", "notes.txt"}
     assert len(read_run(folder).rows) == 2
 
 
