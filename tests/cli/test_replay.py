@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from . import ccas
+from . import TWO_SHIPS, ccas
 
 BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
 QUIET = (
@@ -28,13 +28,21 @@ QUIET = (
 )
 
 
-@pytest.fixture
-def run(two_ships: Path) -> Path:
-    """Sail the two ships."""
-    done = ccas("simulate", two_ships, "--out", "run", "--no-pictures")
+@pytest.fixture(scope="module")
+def sailed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Sail the two ships, once for all tests."""
+    folder = tmp_path_factory.mktemp("sailed")
+    (folder / "two_ships.yaml").write_text(TWO_SHIPS, encoding="utf-8")
+    done = ccas("simulate", folder / "two_ships.yaml", "--out", folder / "run", "--no-pictures")
     assert done.exit_code == 0
-    assert done.stderr.endswith("ccas replay run plays it\n")
-    return Path("run")
+    assert done.stderr.endswith(f"ccas replay {folder / 'run'} plays it\n")
+    return folder / "run"
+
+
+@pytest.fixture
+def run(sailed: Path, two_ships: Path) -> Path:
+    """Copy the run into the folder of the test."""
+    return Path(shutil.copytree(sailed, "run"))
 
 
 def test_page_is_put_into_the_run_folder(run: Path) -> None:
