@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import html
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -36,7 +38,12 @@ def write_page(shown: Mapping[str, Any], file: Path) -> int:
     """
     content = page(shown).encode("utf-8")
     with explained(file, hint="free space, or choose another file with --out"):
+        if file.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(file))
         part = file.with_name(f".{file.name}.part")
-        part.write_bytes(content)
-        part.replace(file)
+        try:
+            part.write_bytes(content)
+            part.replace(file)
+        finally:
+            part.unlink(missing_ok=True)
     return len(content)

@@ -20,6 +20,7 @@ from .run_reading import Row
 from .scenario import Scenario
 
 MOST_ROWS: Final = 100_000  # of ships at instants, that a page can show
+FEW: Final = 12  # ships of which all pairs are looked at
 PARTS: Final = 4  # of a period, for each of which the least clearance is told
 DECIMETRES: Final = 10.0
 _MILLIRADIANS: Final = 1000.0
@@ -146,7 +147,7 @@ def _apart(tracks: Sequence[Track], now: float) -> FloatArray:
     if len(tracks) < 2:
         return np.full(len(tracks), np.nan)
     shapes = np.concatenate([hulls(track.ship, track.at(np.array([now]))) for track in tracks])
-    if len(tracks) <= 12:
+    if len(tracks) <= FEW:
         table = shapely.distance(shapes[:, None], shapes)
         np.fill_diagonal(table, np.inf)
         return np.asarray(table.min(axis=1), dtype=np.float64)

@@ -36,10 +36,10 @@ def replay(
 ) -> None:
     """Write a run as one page that plays it in any browser, and asks for nothing from outside.
 
-    The page shows waters and regions, ships and safety areas to scale, what they plan, who gives way to whom and
-    by which article, and on a time line rulesets, fall-backs, deadlocks and how near the ships came. A run that
-    was broken off plays as far as it went. Runs of earlier versions have no plans to show. On stdout comes
-    the path of the page; with --json also what it shows.
+    The page shows waters and regions, ships and safety areas to scale, what they plan, who gives way to
+    whom and by which article, and on a time line rulesets, fall-backs, deadlocks and how near the ships came.
+    A run that was broken off plays as far as it went. Runs of earlier versions have no plans to show. On
+    stdout comes the path of the page; with --json also what it shows.
 
     Example:
         ccas simulate tran2026/fig_12 --out runs/fig_12

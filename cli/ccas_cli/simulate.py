@@ -44,9 +44,10 @@ def simulate(
     """Sail a scenario: ships find out who gives way, and plan together.
 
     The run folder gets the scenario as it was resolved, `frames.csv`, `decisions.jsonl` and `plans.jsonl`
-    while the ships sail, then `summary.json` and pictures; `ccas replay` plays it. On stdout comes a table, or
-    with --json what `summary.json` holds. Ctrl-C ends the voyage after the present period and keeps what was
-    sailed; a second one ends it at once. Exit code 1 if ships collided, ran aground or struck an obstacle.
+    while the ships sail, then `summary.json` and pictures; `ccas replay` plays it. On stdout comes a table,
+    or with --json what `summary.json` holds. Ctrl-C ends the voyage after the present period and keeps what
+    was sailed; a second one ends it at once. Exit code 1 if ships collided, ran aground or struck an
+    obstacle.
 
     Example:
         ccas simulate tran2026/fig_12 --ruleset tran2026 --out runs/fig_12
