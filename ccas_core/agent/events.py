@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import TypeAlias
 
 from ..dmpc.local_problem import LocalProblem, Solution
@@ -12,6 +13,15 @@ from ..frames import FloatArray, NedPose, NedTrajectory
 from ..priority import Opening, Settlement
 from ..roles import Geometry
 from .messages import Message
+
+
+class Conduct(StrEnum):
+    """How a ship takes its duties: breaches are there to see what the others make of them."""
+
+    DUTIFUL = "dutiful"
+    IGNORES = "ignores"  # sails on, and tells so
+    SILENT = "silent"  # sails on, and never tells its intention
+    BREAKS_PROMISES = "breaks_promises"  # tells what it should do, and sails on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
