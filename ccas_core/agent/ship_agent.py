@@ -11,6 +11,7 @@ leaves the ship before the deadline.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -22,8 +23,9 @@ from ..dmpc.local_problem import shifted
 from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
+from ..dmpc.stance import Memory
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import Opening, PriorityGraph, settle
+from ..priority import NO_BEARING, Opening, PriorityGraph, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
@@ -36,6 +38,8 @@ from ..world import ShipReport, World
 from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
+
+BROKEN_BEYOND: Final = 3.0  # a ship that is so far from where it promised to be has broken its promise [m]
 
 
 class ShipAgent:
@@ -75,6 +79,8 @@ class ShipAgent:
         self._encounters: dict[Pair, Encounter] = {}
         self._last_controls: FloatArray | None = None
         self._last_offset = 0.0
+        self._memory = Memory()
+        self._distrusted: set[ShipId] = set()  # ships that did not do what they told
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
         self._period: Period | None = None
@@ -187,6 +193,9 @@ class ShipAgent:
             if (mine.kind, theirs.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(mine, theirs, masses))
         period.settlements = tuple(settlements)
+        graph = PriorityGraph(masses=masses, settlements=period.settlements)
+        period.bearings = {ship: graph.bearing(self.ship.id, ship) for ship in period.reports}
+        self._check_promises(period)
         edges = [
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
         ]
@@ -197,6 +206,15 @@ class ShipAgent:
         period.progressed = now
         period.negotiation = negotiate.begin(self._negotiating(period))
         return [Gossip(self.ship.id, period.index, {self.ship.id: waiting}, frozenset())]
+
+    def _check_promises(self, period: Period) -> None:
+        """Trust no more in the intentions of a ship that is not where it promised to be, while it is met."""
+        met = {ship for ship, bearing in period.bearings.items() if bearing.geometry is not Geometry.NONE}
+        self._distrusted &= met
+        for ship in met & self._promises.keys():
+            promised, pose = self._promises[ship].poses[0], period.reports[ship].pose
+            if math.hypot(promised[0] - pose.x, promised[1] - pose.y) > BROKEN_BEYOND:
+                self._distrusted.add(ship)
 
     def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
         """The other ship's verdict on this one; one that did not come decides nothing."""
@@ -248,7 +266,7 @@ class ShipAgent:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
-        limits = np.array([self._line.offset_limits(float(x), self.ship.hull.beam) for x in ahead])
+        period.limits = np.array([self._line.offset_limits(float(x), self.ship.hull.beam) for x in ahead])
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,
@@ -257,17 +275,16 @@ class ShipAgent:
             last_offset=self._last_offset,
             speed=self._speed,
             settings=settings,
-            offset_limits=limits,
+            offset_limits=period.limits,
             last_controls=None if last is None else shifted(last),
+            memory=self._memory,
         )
 
     def _profile(self, period: Period) -> Settings:
         """Control settings for the encounters at hand: crossing prevails over head-on (Sec. 5.4)."""
         profile = self._settings.profile
         if profile is None:
-            masses = {self.ship.id: self.ship.mass} | {s: r.ship.mass for s, r in period.reports.items()}
-            graph = PriorityGraph(masses=masses, settlements=period.settlements)
-            met = {graph.bearing(self.ship.id, other).geometry for other in period.reports}
+            met = {bearing.geometry for bearing in period.bearings.values()}
             profile = Geometry.CROSSING if Geometry.CROSSING in met else Geometry.HEAD_ON
         return self._settings.profiles[profile]
 
@@ -276,12 +293,13 @@ class ShipAgent:
         horizon, time_step = settings.horizon, settings.kinematics.time_step
         neighbours = []
         for ship, report in sorted({**self._last_reports, **period.reports}.items()):
-            told = period.intentions.get(ship)
+            told = None if ship in self._distrusted else period.intentions.get(ship)
             if told is None and settings.expectation is Expectation.LAST_PLAN:
                 told = self._promises.get(ship)
-            if told is None:
+            if told is None or ship in self._distrusted:
                 told = self._predictor.predict(report.pose, report.speed, horizon, time_step)
-            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon)))
+            bearing = period.bearings.get(ship, NO_BEARING)
+            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon), ship, bearing))
         for obstacle in self._waters.obstacles:
             pose = NedPose(obstacle.x, obstacle.y, 0.0)
             circle = Hull(
@@ -294,6 +312,7 @@ class ShipAgent:
 
     def _ask(self, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         neighbours = self._neighbours(period, negotiation.situation.settings)
+        negotiation = period.negotiation = negotiate.face(negotiation, neighbours)
         problem = negotiate.local_problem(negotiation, neighbours)
         period.asked = True
         return Step(outbox=tuple(outbox), request=Request(problem, negotiate.guesses(negotiation)))
@@ -303,6 +322,10 @@ class ShipAgent:
     def _decide(self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         if not negotiation.usable:
             return self._give_up(now, period, negotiation, outbox, negotiation.worst.value)
+        settings = negotiation.situation.settings
+        if settings.roles is not None and period.limits is not None:
+            neighbours = self._neighbours(period, settings)
+            negotiation = negotiate.secured(negotiation, neighbours, period.limits)
         return self._close(now, period, negotiation, outbox, "")
 
     def _give_up(
@@ -327,6 +350,8 @@ class ShipAgent:
         stopped = bool(fallback) and not controls[:, 1].any()
         self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on
         self._last_offset = float(controls[0, 0])
+        if negotiation.stance is not None:
+            self._memory = negotiation.stance.memory
         decision = Decision(
             offset=float(controls[0, 0]),
             speed_factor=float(controls[0, 1]),

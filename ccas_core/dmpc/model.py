@@ -32,6 +32,7 @@ CONSTANTS = [
     "mu_2",
     "mu_3",
     "r_2",
+    "side",
     "gamma_s",
     "gamma_y",
     "beta",
@@ -63,7 +64,7 @@ def stage_model(threats: int) -> StageModel:
     motion = {key: named[key] for key in CONSTANTS[:5]}
     sailed = kinematics.step((x, y, course), offset, speed_factor, **motion)
     arguments = (offset, last_offset, speed_factor)
-    habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "gamma_s", "gamma_y")}
+    habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "side", "gamma_s", "gamma_y")}
     effort = cost.control_effort(*arguments, named["K_y"], named["K_s"]) + cost.behaviour(
         *arguments, **habits
     )
@@ -118,7 +119,7 @@ def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
     """Sail controls (N, 2) from the initial pose, held within their bounds."""
     limits = problem.offset_limits
     offset = np.clip(controls[:, 0], limits[:, 0], limits[:, 1])
-    factor = np.clip(controls[:, 1], 0.0, 1.0)
+    factor = np.clip(controls[:, 1], problem.speed_limits[:, 0], problem.speed_limits[:, 1])
     start = problem.initial
     motion = {
         "speed": problem.speed,

@@ -6,18 +6,20 @@ All are values: a `Negotiation` is carried from one iteration to the next by `ad
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory
+from ..priority import NO_BEARING, Bearing
 from ..ships import Hull, ShipId
 from . import nadmm
-from .local_problem import LocalPlan, LocalProblem, Solution
+from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
 from .risk import threat
+from .stance import Memory, Seen, Stance, safest, take_stance
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
 
@@ -28,6 +30,8 @@ class Neighbour:
 
     hull: Hull
     trajectory: NedTrajectory
+    id: ShipId | None = None  # None for an obstacle
+    bearing: Bearing = NO_BEARING
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,7 @@ class Situation:
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
+    memory: Memory = field(default_factory=Memory)  # of the roles, from the period before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,6 +65,7 @@ class Negotiation:
     iteration: int
     iterate: nadmm.Iterate
     plan: LocalPlan
+    stance: Stance | None = None  # None before the first update, and where settings know no roles
     outcomes: tuple[Outcome, ...] = ()
     seconds: tuple[float, ...] = ()
     residuals: tuple[float, ...] = ()
@@ -100,6 +106,49 @@ def begin(situation: Situation) -> Negotiation:
     )
 
 
+def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiation:
+    """Take a stance before the first update, if the settings know roles: limits, starts, and the anchor."""
+    situation = negotiation.situation
+    roles = situation.settings.roles
+    if roles is None or negotiation.iteration > 0:
+        return negotiation
+    problem = _problem(situation, ())
+    stance = take_stance(
+        situation.hull,
+        problem,
+        situation.last_controls,
+        _seen(situation, neighbours),
+        situation.memory,
+        roles,
+    )
+    settled = replace(
+        situation, settings=stance.settings, offset_limits=stance.offset_limits, memory=stance.memory
+    )
+    plan = rollout(replace(problem, speed_limits=stance.speed_limits), stance.anchor)
+    return replace(
+        negotiation,
+        situation=settled,
+        iterate=nadmm.start(plan.trajectory.poses),
+        plan=plan,
+        stance=stance,
+    )
+
+
+def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: FloatArray) -> Negotiation:
+    """Take a manoeuvre at hand instead of a plan that leads into a safety area, if one clears.
+
+    `limits` are those of the water, (N, 2) [m]; a ship that stands on and relies on the others keeps its plan.
+    """
+    stance, situation = negotiation.stance, negotiation.situation
+    if stance is None or not stance.memory.acting:
+        return negotiation
+    problem = replace(_problem(situation, ()), offset_limits=limits)
+    plan = safest(situation.hull, problem, negotiation.plan, _seen(situation, neighbours))
+    if plan is None:
+        return negotiation
+    return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
+
+
 def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> bool:
     """Whether wait(i) is false (step 4): all that decide before this ship have gone far enough.
 
@@ -118,7 +167,10 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     situation = negotiation.situation
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
-    problem = _problem(situation, _threats(situation, neighbours))
+    stance = negotiation.stance
+    problem = _problem(situation, _threats(situation, neighbours, stance.gains if stance else None))
+    if stance:
+        problem = replace(problem, speed_limits=stance.speed_limits)
     return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
 
 
@@ -126,6 +178,8 @@ def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
     """Controls from which to solve: all starts at first, then the plan so far."""
     if negotiation.iteration > 0:
         return (negotiation.plan.controls,)
+    if negotiation.stance:
+        return negotiation.stance.starts
     situation = negotiation.situation
     starts = situation.settings.starts
     if situation.last_controls is None:
@@ -169,11 +223,30 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     return rollout(problem, slow), "the ship slows down"
 
 
-def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> list[FloatArray]:
-    """Neighbours as the local problem sees them, in the own frame."""
-    risk, weights = situation.settings.risk, situation.settings.weights
+def _threats(
+    situation: Situation, neighbours: Sequence[Neighbour], gains: Sequence[float] | None = None
+) -> list[FloatArray]:
+    """Neighbours as the local problem sees them, in the own frame; `gains` are factors of K_ca."""
+    settings = situation.settings
+    step = situation.speed * settings.kinematics.time_step
     return [
-        threat(situation.hull, each.hull, situation.frame.trajectory_to_path(each.trajectory), risk, weights)
+        threat(
+            situation.hull,
+            each.hull,
+            situation.frame.trajectory_to_path(each.trajectory),
+            settings.risk,
+            replace(settings.weights, K_ca=gain * settings.weights.K_ca),
+            step,
+        )
+        for each, gain in zip(neighbours, gains or (1.0,) * len(neighbours), strict=True)
+    ]
+
+
+def _seen(situation: Situation, neighbours: Sequence[Neighbour]) -> list[Seen]:
+    """Neighbours as the stance sees them, in the own frame."""
+    frame = situation.frame
+    return [
+        Seen(each.id, each.hull, frame.trajectory_to_path(each.trajectory), each.bearing)
         for each in neighbours
     ]
 
@@ -195,6 +268,7 @@ def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProble
         speed=situation.speed,
         settings=situation.settings,
         offset_limits=situation.offset_limits,
+        speed_limits=free_speeds(horizon),
         threats=np.array(threats).reshape(len(threats), horizon, 6),
         multiplier=np.zeros((horizon + 1, 3)),
         broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),

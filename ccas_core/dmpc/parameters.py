@@ -26,6 +26,7 @@ class RiskShape(StrEnum):
 
     COURSE_ALIGNED = "course_aligned"  # along the other ship's course, sized by both hulls
     AXIS_BOUND = "axis_bound"  # as printed: along the own ship's axes
+    FITTED = "fitted"  # around both hulls and the way that they make in a step, for any relative course
 
 
 class Anchor(StrEnum):
@@ -63,6 +64,7 @@ class Weights:
     mu_2: float = 1.0  # B_1 of the offset
     mu_3: float = 0.003  # r_1 of B_2 [1/m]
     r_2: float = 0.0  # r_2 of B_2 [m]
+    side: float = 1.0  # side that B_2 leaves free: 1 starboard, -1 port
     gamma_s: float = 0.0082  # width of B_1 of the speed factor
     gamma_y: float = 1.04  # width of B_1 of the offset [m^2]
 
@@ -89,6 +91,23 @@ class Kinematics:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Roles:
+    """How much a role weighs, and when it is fulfilled.  No number here depends on a ruleset."""
+
+    give_way: float = 5.0  # factor of K_ca towards a ship to which the own ship gives way, or that failed to
+    stand_on: float = 0.05  # the same, towards a ship that keeps clear
+    none: float = 1.0  # the same, towards others
+    steadiness: float = 5.0  # factor of mu_1, mu_2 of a ship that stands on
+    act_within: float = 15.0  # a ship acts if its line leads nearer than this to a safety area [m]
+    resume_beyond: float = 20.0  # and returns to its line if that leads no nearer than this [m]
+    clear_by: float = 5.0  # a plan that stays so far from all safety areas clears [m]
+    visible_offset: float = 12.0  # least offset of a ship that gives way to one side [m]
+    visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
+    reserve: int = 2  # periods that a ship that stands on keeps in hand before it acts
+    crossing: Weights = field(default_factory=lambda: Weights(K_y=5.0))  # in place of `Settings.weights`
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Everything a ship's controller is set to.  Frozen: a change is `dataclasses.replace`."""
 
@@ -103,6 +122,7 @@ class Settings:
     starts: tuple[Start, ...] = (Start.LAST,)
     anchor: Anchor = Anchor.LAST
     expectation: Expectation = Expectation.LAST_PLAN
+    roles: Roles | None = None  # None: the paper's controller, which knows no roles
 
     def __post_init__(self) -> None:
         if not 0.0 < self.relaxation < 2.0:
@@ -120,6 +140,25 @@ HEAD_ON: Final = Settings(
 )
 CROSSING: Final = Settings(weights=Weights(K_y=5.0))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
+FAITHFUL: Final = Settings(
+    weights=Weights(K_ca=900.0, mu_2=4.16),
+    risk=Risk(shape=RiskShape.FITTED, kappa_along=1.0, kappa_across=1.0),
+    roles=Roles(),
+)
+"""The default for all waters: roles towards each neighbour, profile by the encounters at hand."""
+
+
+def blended(one: Weights, other: Weights, share: float) -> Weights:
+    """Go over from one set of weights to another: positive weights by their logarithms.
+
+    >>> blended(Weights(K_y=0.01), Weights(K_y=1.0), 0.5).K_y
+    0.1
+    """
+    values = {}
+    for name in Weights.__dataclass_fields__:
+        a, b = getattr(one, name), getattr(other, name)
+        values[name] = a ** (1.0 - share) * b**share if a > 0.0 and b > 0.0 else a + share * (b - a)
+    return Weights(**values)
 
 
 @dataclass(frozen=True, slots=True)

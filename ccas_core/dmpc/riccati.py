@@ -152,8 +152,10 @@ class Riccati(AbstractLocalSolver):
         if starts.shape[1:] != (horizon, CONTROLS):
             raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {starts.shape[1:]}")
         answers = len(starts) * (2 if widen else 1)
-        low, high = np.zeros((horizon, CONTROLS)), np.ones((horizon, CONTROLS))
-        low[:, 0], high[:, 0] = problem.offset_limits[:, 0], problem.offset_limits[:, 1]
+        low, high = (
+            np.column_stack([problem.offset_limits[:, side], problem.speed_limits[:, side]])
+            for side in (0, 1)
+        )
         initial = problem.initial
         task = kernel.Task(
             start=np.array([initial.x, initial.y, initial.course, problem.last_offset], dtype=np.float64),

@@ -11,7 +11,7 @@ from ..agent.bus import Bus
 from ..agent.events import AgentSettings, Decision, Sensed
 from ..agent.period import PeriodLog, run_period
 from ..agent.ship_agent import ShipAgent
-from ..dmpc.parameters import PROFILES, Settings, with_parameter
+from ..dmpc.parameters import FAITHFUL, PROFILES, Settings, with_parameter
 from ..dmpc.solvers import AbstractLocalSolver
 from ..frames import NedTrajectory, PathPose, frozen_array
 from ..priority import Opening, Settlement
@@ -99,7 +99,10 @@ def agent_settings(scenario: Scenario) -> AgentSettings:
     """Settings of every ship's agent: the two profiles of Sec. 5 with what the scenario overrides."""
     control = scenario.control
     profiles = {
-        geometry: chosen(profile, control, scenario.time_step) for geometry, profile in PROFILES.items()
+        geometry: chosen(
+            FAITHFUL if control.profile is Profile.AUTO else profile, control, scenario.time_step
+        )
+        for geometry, profile in PROFILES.items()
     }
     profile = None if control.profile is Profile.AUTO else Geometry(control.profile.value)
     return AgentSettings(profiles=profiles, profile=profile, deadlock_detection=control.deadlock_detection)

@@ -81,9 +81,7 @@ def scenario(case: Case, rulesets: Mapping[str, AbstractRuleset]) -> Scenario:
     drawn = replace(
         drawn,
         name=case.name,
-        control=replace(
-            drawn.control, parameters={**drawn.control.parameters, **case.variant.parameters}
-        ),
+        control=replace(drawn.control, parameters={**drawn.control.parameters, **case.variant.parameters}),
     )
     if case.cell.breach is not Conduct.DUTIFUL:
         drawn = _with_breach(drawn, rulesets, case.cell.breach)
@@ -111,9 +109,7 @@ def _with_breach(drawn: Scenario, rulesets: Mapping[str, AbstractRuleset], condu
         for ship in (settlement.pair if settlement.fallback else settlement.one.give_way)
     }
     chosen = min(obliged, default=None)
-    ships = tuple(
-        replace(plan, conduct=conduct) if plan.ship.id == chosen else plan for plan in drawn.ships
-    )
+    ships = tuple(replace(plan, conduct=conduct) if plan.ship.id == chosen else plan for plan in drawn.ships)
     return replace(drawn, ships=ships)
 
 

@@ -53,7 +53,9 @@ def draw_upstream(rng: np.random.Generator) -> Towards:
     return (Towards.NONE, Towards.NONE, Towards.START, Towards.END)[int(rng.integers(4))]
 
 
-def straight(id_: str, course: float, reach: tuple[float, float], width: float, upstream: Towards) -> Waterway:
+def straight(
+    id_: str, course: float, reach: tuple[float, float], width: float, upstream: Towards
+) -> Waterway:
     """Make a straight waterway through the origin on a course [rad], from `reach[0]` to `reach[1]` [m]."""
     along = np.array([math.cos(course), math.sin(course)])
     return Waterway(id=id_, centreline=np.outer(reach, along), width=width, upstream=upstream)

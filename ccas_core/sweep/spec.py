@@ -100,9 +100,7 @@ def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | No
             _ruleset(reader, each, rulesets) for each in reader.items(root.require("rulesets"), 1)
         ),
         cells=tuple(_cell(reader, each, names) for each in reader.items(root.require("cells"), 1)),
-        variants=tuple(
-            _variant(reader, each, variant_names) for each in reader.items(root.find("variants"))
-        )
+        variants=tuple(_variant(reader, each, variant_names) for each in reader.items(root.find("variants")))
         or (Variant(),),
     )
     root.done()

@@ -57,9 +57,7 @@ class _Queue(Generic[_T]):
     running: dict[_Worker, tuple[_T, int]] = field(default_factory=dict)
 
 
-def run(
-    do: Callable[[_T], Any], tasks: Iterable[_T], *, workers: int, deadline: float
-) -> Iterator[Done[_T]]:
+def run(do: Callable[[_T], Any], tasks: Iterable[_T], *, workers: int, deadline: float) -> Iterator[Done[_T]]:
     """Do all tasks, in any order, and yield each as it is done.
 
     Parameters
