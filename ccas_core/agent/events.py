@@ -32,6 +32,7 @@ class Timers:
     settle: float = 3.0  # verdicts are awaited until then
     deadlock: float = 2.0  # T_DL: without progress for so long, a deadlock is looked for
     resend: float = 1.0  # a ship repeats its last word after so long, while others still need it
+    patience: float = 10.0  # a ship whose turn has not come by then goes on without those it waits for
     deadline: float = 15.0  # a decision leaves the ship by then
 
 
@@ -42,6 +43,7 @@ class AgentSettings:
     profiles: Mapping[Geometry, Settings]  # control settings by geometry (Sec. 5.4)
     profile: Geometry | None = None  # None: by the encounters at hand
     deadlock_detection: bool = True
+    conduct: Conduct = Conduct.DUTIFUL
     timers: Timers = field(default_factory=Timers)
 
 

@@ -35,7 +35,7 @@ from ..tapd.ruleset import AbstractRuleset, Pair, Situation
 from ..verdict import Kind, Verdict
 from ..waterway import GuidingLine, Waters
 from ..world import ShipReport, World
-from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Step
+from .events import AgentSettings, Conduct, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
 
@@ -87,6 +87,12 @@ class ShipAgent:
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
         """Take what has come, go on as far as possible, and say what is wanted."""
+        step = self._step(now, inbox)
+        if self._settings.conduct is not Conduct.SILENT:
+            return step
+        return replace(step, outbox=tuple(each for each in step.outbox if not isinstance(each, Intention)))
+
+    def _step(self, now: float, inbox: Sequence[Event]) -> Step:
         outbox: list[Message] = []
         for event in inbox:
             outbox += self._take(now, event)
@@ -111,9 +117,10 @@ class ShipAgent:
         if any(isinstance(event, Solved) for event in inbox):
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
         self._open_orders(period)
-        if self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
+        impatient = now >= period.began + timers.patience
+        if impatient or self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
             return self._ask(period, negotiation, outbox)
-        wake_at = period.began + timers.deadline
+        wake_at = period.began + timers.patience
         if self._settings.deadlock_detection:
             wake_at = min(wake_at, period.progressed + timers.deadlock)
         return Step(outbox=tuple(outbox), wake_at=wake_at)
@@ -266,7 +273,9 @@ class ShipAgent:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
-        period.limits = np.array([self._line.offset_limits(float(x), self.ship.hull.beam) for x in ahead])
+        hull, roles = self.ship.hull, settings.roles
+        beam = hull.beam + (roles.swing * hull.length if roles else 0.0)
+        period.limits = np.array([self._line.offset_limits(float(x), beam) for x in ahead])
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,
@@ -342,10 +351,14 @@ class ShipAgent:
         self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message], fallback: str
     ) -> Step:
         """Issue the decision of this period, and promise its plan."""
+        if self._settings.conduct in (Conduct.IGNORES, Conduct.SILENT):
+            negotiation = negotiate.sailing_on(negotiation)
         period.negotiation = negotiation
         period.phase = Phase.DONE
         period.resent = now
         outbox.append(self._intention(period, negotiation))
+        if self._settings.conduct is Conduct.BREAKS_PROMISES:  # after it has promised
+            negotiation = negotiate.sailing_on(negotiation)
         controls = negotiation.plan.controls
         stopped = bool(fallback) and not controls[:, 1].any()
         self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on

@@ -5,6 +5,7 @@ All are values: a `Negotiation` is carried from one iteration to the next by `ad
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -146,6 +147,15 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     plan = safest(situation.hull, problem, negotiation.plan, _seen(situation, neighbours))
     if plan is None:
         return negotiation
+    return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
+
+
+def sailing_on(negotiation: Negotiation) -> Negotiation:
+    """Go on along the guiding line whatever the others do: a ship that breaks its duty."""
+    situation = negotiation.situation
+    free = np.tile([-math.inf, math.inf], (situation.settings.horizon, 1))
+    problem = replace(_problem(situation, ()), offset_limits=free)
+    plan = rollout(problem, _guess(Start.NOMINAL, situation))
     return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
 
 

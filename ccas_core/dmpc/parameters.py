@@ -103,8 +103,9 @@ class Roles:
     clear_by: float = 5.0  # a plan that stays so far from all safety areas clears [m]
     visible_offset: float = 12.0  # least offset of a ship that gives way to one side [m]
     visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
+    swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
     reserve: int = 2  # periods that a ship that stands on keeps in hand before it acts
-    crossing: Weights = field(default_factory=lambda: Weights(K_y=5.0))  # in place of `Settings.weights`
+    crossing: Weights = field(default_factory=lambda: Weights(K_y=5.0, mu_1=1.0))  # in place of `Settings.weights`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,8 +142,8 @@ HEAD_ON: Final = Settings(
 CROSSING: Final = Settings(weights=Weights(K_y=5.0))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
 FAITHFUL: Final = Settings(
-    weights=Weights(K_ca=900.0, mu_2=4.16),
-    risk=Risk(shape=RiskShape.FITTED, kappa_along=1.0, kappa_across=1.0),
+    weights=Weights(K_ca=900.0, K_s=1.0, mu_1=1.0, mu_2=4.16),
+    risk=Risk(shape=RiskShape.FITTED, kappa_along=0.8, kappa_across=0.8),
     roles=Roles(),
 )
 """The default for all waters: roles towards each neighbour, profile by the encounters at hand."""

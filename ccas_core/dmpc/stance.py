@@ -239,7 +239,8 @@ def _resolved(
     side = each.bearing.passing_side
     options = (_SIDE[side],) if side in _SIDE else _USUAL[geometry]
     best = {s: float(worst[hand.side == s].max()) for s in options}
-    chosen = next((s for s in options if best[s] >= roles.clear_by), max(options, key=best.__getitem__))
+    enough = roles.clear_by if geometry is Geometry.HEAD_ON else roles.resume_beyond
+    chosen = next((s for s in options if best[s] >= enough), max(options, key=best.__getitem__))
     if best[chosen] >= 0.0 or geometry is Geometry.HEAD_ON:
         found[each.id] = replace(resolve, side=chosen)
     return found

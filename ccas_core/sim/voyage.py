@@ -144,7 +144,8 @@ def _launched(
     scenario: Scenario, plan: Plan, rulesets: Mapping[str, AbstractRuleset], settings: AgentSettings
 ) -> _UnderWay:
     line = guiding_line(scenario.waters, plan.route)
-    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, settings)
+    own = replace(settings, conduct=plan.conduct)
+    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, own)
     return _UnderWay(plan=plan, line=line, pose=line.frame.to_path(plan.start), speed=plan.speed, agent=agent)
 
 

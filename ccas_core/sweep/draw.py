@@ -92,7 +92,7 @@ def _side_by_side(rng: np.random.Generator, bound: float, apart: float, risk: Ri
         return one, one + _uniform(rng, -apart, apart)
     gap = apart + CALM_BEYOND - RISKY_WITHIN + 1.0
     one = _uniform(rng, gap / 2.0, max(gap / 2.0, bound + gap / 4.0))
-    one, other = one, one - _uniform(rng, gap, gap + 20.0)
+    other = one - _uniform(rng, gap, gap + 20.0)
     return (one, other) if rng.random() < 0.5 else (-one, -other)
 
 
@@ -149,7 +149,7 @@ def _crossing(rng: np.random.Generator, risk: Risk, ruleset: str) -> Scenario:
     ):
         width = _uniform(rng, *WIDTHS)
         towards = Towards.END if rng.random() < 0.5 else Towards.START
-        ends = (-speed * arrival - 200.0, speed * (max(times) + RUN_OUT))
+        ends = (-speed * arrival - 500.0, speed * (max(times) + RUN_OUT))
         turned = 0.0 if towards is Towards.END else math.pi
         reach = ends if towards is Towards.END else (-ends[1], -ends[0])
         waterways.append(straight(name, along + turned, reach, width, draw_upstream(rng)))

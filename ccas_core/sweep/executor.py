@@ -52,6 +52,7 @@ def _dask(address: str, do: Callable[[_T], Any], tasks: Sequence[_T]) -> Iterato
             if future.status == "finished":
                 yield Done(task, Status.DONE, future.result())
             else:
-                error = future.exception()
-                died = type(error).__name__ == "KilledWorker"
-                yield Done(task, Status.DIED if died else Status.FAILED, f"{type(error).__name__}: {error}")
+                raised = future.exception()
+                died = type(raised).__name__ == "KilledWorker"
+                status = Status.DIED if died else Status.FAILED
+                yield Done(task, status, f"{type(raised).__name__}: {raised}")
