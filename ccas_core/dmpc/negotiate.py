@@ -249,6 +249,7 @@ def _threats(
             step,
         )
         for each, gain in zip(neighbours, gains or (1.0,) * len(neighbours), strict=True)
+        if gain > 0.0
     ]
 
 

@@ -142,7 +142,7 @@ HEAD_ON: Final = Settings(
 CROSSING: Final = Settings(weights=Weights(K_y=5.0))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
 FAITHFUL: Final = Settings(
-    weights=Weights(K_ca=900.0, K_s=1.0, mu_1=1.0, mu_2=4.16),
+    weights=Weights(K_ca=900.0, K_s=1.0, mu_1=5.0, mu_2=20.0),
     risk=Risk(shape=RiskShape.FITTED, kappa_along=0.8, kappa_across=0.8),
     roles=Roles(),
 )

@@ -39,6 +39,8 @@ _USUAL: Final = {Geometry.HEAD_ON: (1, -1), Geometry.OVERTAKING: (-1, 1)}  # whe
 _OBLIGED: Final = (Role.GIVE_WAY, Role.BOTH)
 _STEADY_OFFSET: Final = 0.05  # of a ship that holds [m]: solvers want some room between bounds
 _STEADY_FACTOR: Final = 1e-3
+_TURNS: Final = 2  # changes of side in an encounter
+_MUCH: Final = 2.0  # periods that another plan must save to be taken instead of the last
 _BETTER: Final = 1.0  # gap that a manoeuvre must gain over the solver's plan to replace it [m]
 
 
@@ -48,6 +50,7 @@ class Resolve:
 
     alarmed: bool = False  # the other does not give way: act
     side: int = 0  # side to which the ship goes, +1 starboard
+    turns: int = 0  # how often it has gone back on a side that did not clear any more
     slowed: bool = False  # a visible reduction of speed was made
 
 
@@ -128,7 +131,11 @@ def take_stance(
                 resolves[each.id] = replace(resolve, alarmed=True)
     enough = roles.resume_beyond if memory.acting else roles.act_within
     concerned = [n for n, each in enumerate(seen) if not _relies(each, resolves) and least[n] < enough]
-    committed = [n for n, each in enumerate(seen) if _resolve(each, resolves).side]
+    committed = [
+        n
+        for n, each in enumerate(seen)
+        if each.bearing.role is Role.BOTH and _resolve(each, resolves).side and n not in concerned
+    ]
     if not concerned and not committed:
         idle = replace(memory, resolves=resolves, acting=False)
         return _hold(problem, hold, len(seen), idle)
@@ -137,15 +144,16 @@ def take_stance(
     worst = _each_gap(hull, hand.paths, seen).min(axis=(1, 2))
     for n in concerned:
         resolves = _resolved(seen[n], resolves, hand, worst, roles)
-    offset_limits, speed_limits = _limits(problem, [seen[n] for n in concerned], seen, resolves, until, roles)
+    active = [seen[n] for n in (*concerned, *committed)]
+    offset_limits, speed_limits = _limits(problem, active, resolves, until, roles)
     for n in concerned:
         id_ = seen[n].id
         if id_ is not None and seen[n].bearing.role in _OBLIGED and seen[n].crosses:
             resolves[id_] = replace(_resolve(seen[n], resolves), slowed=True)
     limited = replace(problem, offset_limits=offset_limits, speed_limits=speed_limits)
-    crossing = _share(memory, [seen[n] for n in concerned or committed])
+    crossing = _share(memory, active)
     return Stance(
-        settings=_settings(problem.settings, seen, resolves, crossing, roles),
+        settings=_settings(problem.settings, seen, active, resolves, crossing, roles),
         offset_limits=offset_limits,
         speed_limits=speed_limits,
         gains=tuple(_gain(each, resolves, roles) for each in seen),
@@ -230,40 +238,44 @@ def _until(ahead: FloatArray, enough: float) -> int:
 def _resolved(
     each: Seen, resolves: Mapping[ShipId, Resolve], hand: Manoeuvres, worst: FloatArray, roles: Roles
 ) -> dict[ShipId, Resolve]:
-    """Choose the side on which to leave a ship to which the own ship gives way, once."""
+    """Choose the side on which to leave a ship to which the own ship gives way; change it `_TURNS` times at most."""
     found = dict(resolves)
     resolve = _resolve(each, resolves)
     geometry = each.bearing.geometry
-    if each.id is None or each.bearing.role not in _OBLIGED or resolve.side or geometry not in _USUAL:
+    if each.id is None or each.bearing.role not in _OBLIGED or geometry not in _USUAL:
         return found
     side = each.bearing.passing_side
     options = (_SIDE[side],) if side in _SIDE else _USUAL[geometry]
     best = {s: float(worst[hand.side == s].max()) for s in options}
+    if resolve.side and (best.get(resolve.side, 0.0) >= 0.0 or resolve.turns >= _TURNS):
+        return found
     enough = roles.clear_by if geometry is Geometry.HEAD_ON else roles.resume_beyond
     chosen = next((s for s in options if best[s] >= enough), max(options, key=best.__getitem__))
     if best[chosen] >= 0.0 or geometry is Geometry.HEAD_ON:
-        found[each.id] = replace(resolve, side=chosen)
+        turned = resolve.side not in (0, chosen)
+        found[each.id] = replace(resolve, side=chosen, turns=resolve.turns + turned)
+    elif resolve.side:
+        found[each.id] = replace(resolve, side=0, turns=resolve.turns + 1)
     return found
 
 
 def _limits(
     problem: LocalProblem,
-    concerned: Sequence[Seen],
-    seen: Sequence[Seen],
+    active: Sequence[Seen],
     resolves: Mapping[ShipId, Resolve],
     until: int,
     roles: Roles,
 ) -> tuple[FloatArray, FloatArray]:
     """Limits within which an action of a ship that gives way is visible."""
     offset, speed = problem.offset_limits.copy(), problem.speed_limits.copy()
-    sides = {_resolve(each, resolves).side for each in seen} - {0}
+    sides = {_resolve(each, resolves).side for each in active} - {0}
     if sides == {1}:
         offset[:until, 0] = np.minimum(roles.visible_offset, offset[:until, 1] - _STEADY_OFFSET)
     elif sides == {-1}:
         offset[:until, 1] = np.maximum(-roles.visible_offset, offset[:until, 0] + _STEADY_OFFSET)
     slows = (
         each.bearing.role in _OBLIGED and each.crosses and not _resolve(each, resolves).slowed
-        for each in concerned
+        for each in active
     )
     if any(slows):
         speed[0, 1] = roles.visible_factor
@@ -281,6 +293,7 @@ def _share(memory: Memory, concerned: Sequence[Seen]) -> float:
 def _settings(
     settings: Settings,
     seen: Sequence[Seen],
+    active: Sequence[Seen],
     resolves: Mapping[ShipId, Resolve],
     crossing: float,
     roles: Roles,
@@ -288,7 +301,7 @@ def _settings(
     weights = blended(settings.weights, roles.crossing, crossing)
     if any(_relies(each, resolves) for each in seen):
         weights = replace(weights, mu_1=roles.steadiness * weights.mu_1, mu_2=roles.steadiness * weights.mu_2)
-    if {_resolve(each, resolves).side for each in seen} - {0} == {-1}:
+    if {_resolve(each, resolves).side for each in active} - {0} == {-1}:
         weights = replace(weights, side=-1.0)
     return replace(settings, weights=weights)
 
@@ -308,15 +321,9 @@ def _starts(
     worst: FloatArray,
     roles: Roles,
 ) -> tuple[FloatArray, ...]:
-    """Keep the last plan while it clears; else the gentlest manoeuvres to a side and by speed that do."""
+    """Keep the last plan while it clears and loses little; else take the gentlest manoeuvres that do."""
     low = np.stack([problem.offset_limits[:, 0], problem.speed_limits[:, 0]], axis=1)
     high = np.stack([problem.offset_limits[:, 1], problem.speed_limits[:, 1]], axis=1)
-    starts = []
-    if last is not None:
-        kept = np.clip(last, low, high)
-        if _each_gap(hull, sailed(problem, kept[None]), seen).min(initial=math.inf) >= roles.clear_by:
-            return (kept,)
-        starts.append(kept)
     allowed = np.all((hand.controls >= low - 1e-9) & (hand.controls <= high + 1e-9), axis=(1, 2))
     found = [
         best
@@ -324,9 +331,21 @@ def _starts(
         if (best := _gentlest(hand, worst, kind & allowed, roles.resume_beyond)) is not None
     ]
     found.sort(key=lambda best: -min(float(worst[best]), roles.clear_by))
-    return (*(np.clip(hand.controls[best], low, high) for best in found), *starts) or (
-        np.clip(_steady(problem, 0.0), low, high),
-    )
+    starts = [np.clip(hand.controls[best], low, high) for best in found]
+    if last is not None:
+        kept = np.clip(last, low, high)
+        if _each_gap(hull, sailed(problem, kept[None]), seen).min(initial=math.inf) < roles.clear_by:
+            starts.append(kept)
+        elif not (
+            found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)
+        ):
+            return (kept,)
+    return tuple(starts) or (np.clip(_steady(problem, 0.0), low, high),)
+
+
+def _lost(controls: FloatArray) -> float:
+    """Periods that a plan loses by its speed."""
+    return float(np.sum(1.0 - controls[:, 1]))
 
 
 def _gentlest(hand: Manoeuvres, worst: FloatArray, among: NDArray[np.bool_], enough: float) -> int | None:
