@@ -118,7 +118,11 @@ class ShipAgent:
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
         self._open_orders(period)
         impatient = now >= period.began + timers.patience
-        if impatient or self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
+        if (
+            impatient
+            or self._my_turn(period, negotiation)
+            or self._released(now, period, negotiation, outbox)
+        ):
             return self._ask(period, negotiation, outbox)
         wake_at = period.began + timers.patience
         if self._settings.deadlock_detection:

@@ -138,7 +138,7 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
 def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: FloatArray) -> Negotiation:
     """Take a manoeuvre at hand instead of a plan that leads into a safety area, if one clears.
 
-    `limits` are those of the water, (N, 2) [m]; a ship that stands on and relies on the others keeps its plan.
+    `limits` are those of the water, (N, 2) [m]; a ship that holds keeps its plan.
     """
     stance, situation = negotiation.stance, negotiation.situation
     if stance is None or not stance.memory.acting:

@@ -105,7 +105,9 @@ class Roles:
     visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
     swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
     reserve: int = 2  # periods that a ship that stands on keeps in hand before it acts
-    crossing: Weights = field(default_factory=lambda: Weights(K_y=5.0, mu_1=1.0))  # in place of `Settings.weights`
+    crossing: Weights = field(
+        default_factory=lambda: Weights(K_y=5.0, mu_1=1.0)
+    )  # in place of `Settings.weights`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -238,7 +238,7 @@ def _until(ahead: FloatArray, enough: float) -> int:
 def _resolved(
     each: Seen, resolves: Mapping[ShipId, Resolve], hand: Manoeuvres, worst: FloatArray, roles: Roles
 ) -> dict[ShipId, Resolve]:
-    """Choose the side on which to leave a ship to which the own ship gives way; change it `_TURNS` times at most."""
+    """Choose the side on which to leave a ship to which the own ship gives way, and seldom another."""
     found = dict(resolves)
     resolve = _resolve(each, resolves)
     geometry = each.bearing.geometry
@@ -336,9 +336,7 @@ def _starts(
         kept = np.clip(last, low, high)
         if _each_gap(hull, sailed(problem, kept[None]), seen).min(initial=math.inf) < roles.clear_by:
             starts.append(kept)
-        elif not (
-            found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)
-        ):
+        elif not (found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)):
             return (kept,)
     return tuple(starts) or (np.clip(_steady(problem, 0.0), low, high),)
 

@@ -76,12 +76,14 @@ def cases(sweep: Sweep) -> Iterator[Case]:
 
 
 def scenario(case: Case, rulesets: Mapping[str, AbstractRuleset]) -> Scenario:
-    """Make the scenario of a case: drawn, or read, then written and read back, so that its file replays it."""
+    """Make the scenario of a case: drawn, or read, then dumped and read back, so that its file replays it."""
     drawn = _drawn(case)
     drawn = replace(
         drawn,
         name=case.name,
-        control=replace(drawn.control, parameters={**drawn.control.parameters, **case.variant.parameters}),
+        control=replace(
+            drawn.control, parameters={**drawn.control.parameters, **dict(case.variant.parameters)}
+        ),
     )
     if case.cell.breach is not Conduct.DUTIFUL:
         drawn = _with_breach(drawn, rulesets, case.cell.breach)
@@ -143,11 +145,18 @@ def sail(
         "count": len(sailed.ships),
         "ships": found["ships"],
         "undisturbed_s": {str(id_): time for id_, time in undisturbed_times(sailed).items()},
-        "encounters": found["encounters"],
+        "encounters": _judged(sailed, found["encounters"]),
         "changes_of_mind": changes_of_mind(frames),
         "periods": len(frames),
         "seconds": time.perf_counter() - began,
     }
+
+
+def _judged(sailed: Scenario, met: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Encounters; where a ship is made to break its duty, nobody's faithfulness is judged."""
+    if all(plan.conduct is Conduct.DUTIFUL for plan in sailed.ships):
+        return met
+    return [{**each, "faithful": None} for each in met]
 
 
 def _two_ships(sailed: Scenario, frames: Sequence[Frame]) -> dict[str, Any]:

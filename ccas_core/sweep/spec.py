@@ -1,9 +1,9 @@
-"""What a sweep is to sail: cells of drawn encounters or scenario files, by rulesets and variants of parameters."""
+"""What a sweep is to sail: cells of drawn encounters or scenario files, by rulesets and by parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Final
@@ -53,7 +53,7 @@ class Variant:
     """Parameters that take the place of the defaults."""
 
     name: str = ""
-    parameters: Mapping[str, float] = field(default_factory=dict)  # SI
+    parameters: tuple[tuple[str, float], ...] = ()  # by name, SI
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,4 +146,4 @@ def _variant(reader: Reader, node: Node, names: dict[str, Node]) -> Variant:
         bounds = Range(at_least=parameter.low, at_most=parameter.high)
         values[key.text] = reader.number(value, QUANTITY_OF[parameter.unit], bounds)
     block.done()
-    return Variant(name=name, parameters=values)
+    return Variant(name=name, parameters=tuple(values.items()))

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate
+from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate, sweep
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
@@ -22,6 +22,7 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     rulesets.rulesets,
     plugins.plugins,
     reproduce.reproduce,
+    sweep.sweep,
     bench.bench,
 )
 
