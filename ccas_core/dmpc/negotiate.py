@@ -141,10 +141,11 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     `limits` are those of the water, (N, 2) [m]; a ship that holds keeps its plan.
     """
     stance, situation = negotiation.stance, negotiation.situation
-    if stance is None or not stance.memory.acting:
+    roles = situation.settings.roles
+    if roles is None or stance is None or not stance.memory.acting:
         return negotiation
     problem = replace(_problem(situation, ()), offset_limits=limits)
-    plan = safest(situation.hull, problem, negotiation.plan, _seen(situation, neighbours))
+    plan = safest(situation.hull, problem, negotiation.plan, _seen(situation, neighbours), roles.clear_by)
     if plan is None:
         return negotiation
     return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))

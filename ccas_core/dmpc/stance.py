@@ -125,7 +125,7 @@ def take_stance(
     ahead = _each_gap(hull, sailed(problem, hold[None]), seen)[0]  # (n, N)
     least = ahead.min(axis=1, initial=math.inf)
     for n, each in enumerate(seen):
-        if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < 0.0:
+        if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < roles.clear_by:
             resolve = resolves.get(each.id, Resolve())
             if not resolve.alarmed and _is_last_moment(hull, problem, base, each, ahead[n], roles):
                 resolves[each.id] = replace(resolve, alarmed=True)
@@ -164,19 +164,19 @@ def take_stance(
 
 
 def safest(
-    hull: Hull, problem: LocalProblem, plan: LocalPlan, seen: Sequence[Seen], base: float = 0.0
+    hull: Hull, problem: LocalProblem, plan: LocalPlan, seen: Sequence[Seen], enough: float
 ) -> LocalPlan | None:
-    """Find the manoeuvre at hand that clears best, if a plan leads into a safety area and it does not."""
+    """Find the gentlest manoeuvre at hand that clears by `enough` [m], or best, if a plan does not."""
     if not seen:
         return None
     ahead = _each_gap(hull, plan.trajectory.poses[None], seen)[0]
     gap = float(ahead.min())
-    if gap >= 0.0:
+    if gap >= enough:
         return None
-    hand = at_hand(problem, base, _until(ahead, 0.0))
+    hand = at_hand(problem, 0.0, _until(ahead, enough))
     worst = _each_gap(hull, hand.paths, seen).min(axis=(1, 2))
-    best = _gentlest(hand, worst, np.ones(len(worst), dtype=np.bool_), 0.0)
-    if best is None or worst[best] < gap + _BETTER:
+    best = _gentlest(hand, worst, np.ones(len(worst), dtype=np.bool_), enough)
+    if best is None or worst[best] < min(gap + _BETTER, enough):
         return None
     return LocalPlan(controls=hand.controls[best], trajectory=PathTrajectory(hand.paths[best]))
 

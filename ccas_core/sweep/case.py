@@ -138,7 +138,7 @@ def sail(
     """Sail a case, and keep what counts of it."""
     began = time.perf_counter()
     frames = tuple(voyage(sailed, rulesets, solver))
-    found = summary(sailed, frames, solver.name)
+    found: dict[str, Any] = summary(sailed, frames, solver.name)
     return frames, {
         **{key: found[key] for key in KEPT},
         **_two_ships(sailed, frames),

@@ -68,7 +68,8 @@ def sweep(
 
     The folder gets `cases.csv`, `summary.json`, `report.html` (with pictures of the worst cases) and the
     scenario files of all cases with a fault. Ctrl-C stops; the same command goes on where it was stopped, and
-    what is finished is not sailed again. Exit code 1 if ships collided, ran aground or froze, or a case failed.
+    what is finished is not sailed again. Exit code 1 if ships collided, ran aground or froze, or a case
+    failed.
 
     Example:
         ccas sweep two_ship_short --seed 7 --out runs/seven
