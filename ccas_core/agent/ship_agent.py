@@ -278,8 +278,11 @@ class ShipAgent:
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
         hull, roles = self.ship.hull, settings.roles
-        beam = hull.beam + (roles.swing * hull.length if roles else 0.0)
-        period.limits = np.array([self._line.offset_limits(float(x), beam) for x in ahead])
+        room = np.array([self._line.offset_limits(float(x), hull.beam) for x in ahead])
+        swing = roles.swing * hull.length / 2.0 if roles else 0.0
+        low, high = room.T
+        limits = np.column_stack([np.minimum(low + swing, 0.0), np.maximum(high - swing, 0.0)])
+        period.limits = limits
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,
@@ -288,7 +291,8 @@ class ShipAgent:
             last_offset=self._last_offset,
             speed=self._speed,
             settings=settings,
-            offset_limits=period.limits,
+            offset_limits=limits,
+            room=room,
             last_controls=None if last is None else shifted(last),
             memory=self._memory,
         )

@@ -57,6 +57,23 @@ def gaps(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatA
     return np.asarray(least.reshape(len(plans), -1, LOOKS).min(axis=2))
 
 
+def bank_gaps(own: Hull, plans: FloatArray, room: FloatArray) -> FloatArray:
+    """Least water between hull and banks in each step of each plan [m], (M, N), beyond the margin of `room`.
+
+    `room` (N, 2) holds the offsets between which the hull, along the line, keeps its margin to the banks [m].
+
+    >>> gap = bank_gaps(Hull(length=100.0, beam=10.0), np.array([[[0.0, 0.0, 0.0], [0.0, 12.0, 0.0]]]),
+    ...                 np.array([[-20.0, 15.0]]))
+    >>> gap.tolist()
+    [[3.0]]
+    """
+    y, course = plans[:, 1:, 1], plans[:, 1:, 2]
+    before = plans[:, :-1, 1]  # where the ship turns to the course of the step
+    reach = (own.length * np.abs(np.sin(course)) + own.beam * (np.abs(np.cos(course)) - 1.0)) / 2.0
+    low, high = np.minimum(y, before) - reach, np.maximum(y, before) + reach
+    return np.asarray(np.minimum(low - room[:, 0], room[:, 1] - high))
+
+
 def _looks(poses: FloatArray) -> FloatArray:
     """Poses within each step, (M, N * LOOKS, 3): on the line, at the course of the step's end."""
     share = (np.arange(1, LOOKS + 1) / LOOKS)[None, None, :, None]

@@ -54,6 +54,7 @@ class Situation:
     speed: float  # nominal, U^d [m/s]
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
+    room: FloatArray  # offsets between which the hull keeps its margin to the banks, (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
     memory: Memory = field(default_factory=Memory)  # of the roles, from the period before
 
@@ -117,6 +118,7 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
     stance = take_stance(
         situation.hull,
         problem,
+        situation.room,
         situation.last_controls,
         _seen(situation, neighbours),
         situation.memory,
@@ -145,7 +147,8 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     if roles is None or stance is None or not stance.memory.acting:
         return negotiation
     problem = replace(_problem(situation, ()), offset_limits=limits)
-    plan = safest(situation.hull, problem, negotiation.plan, _seen(situation, neighbours), roles.clear_by)
+    seen = _seen(situation, neighbours)
+    plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, roles.clear_by)
     if plan is None:
         return negotiation
     return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))

@@ -24,7 +24,8 @@ from ..frames import FloatArray, PathTrajectory
 from ..priority import NO_BEARING, Bearing
 from ..roles import Geometry, PassingSide, Role
 from ..ships import Hull, ShipId
-from .clearance import gaps
+from ..waterway import BANK_MARGIN
+from .clearance import bank_gaps, gaps
 from .local_problem import LocalPlan, LocalProblem
 from .manoeuvres import Manoeuvres, at_hand, sailed
 from .parameters import Roles, Settings, blended
@@ -96,6 +97,7 @@ class Stance:
 def take_stance(
     hull: Hull,
     problem: LocalProblem,
+    room: FloatArray,
     last: FloatArray | None,
     seen: Sequence[Seen],
     memory: Memory,
@@ -109,6 +111,8 @@ def take_stance(
         Of the own ship.
     problem
         Its local problem without threats.
+    room
+        Offsets between which the hull keeps its margin to the banks, (N, 2) [m].
     last
         Controls of the last period's plan, shifted; None if there is none.
     seen
@@ -127,7 +131,7 @@ def take_stance(
     for n, each in enumerate(seen):
         if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < roles.clear_by:
             resolve = resolves.get(each.id, Resolve())
-            if not resolve.alarmed and _is_last_moment(hull, problem, base, each, ahead[n], roles):
+            if not resolve.alarmed and _is_last_moment(hull, problem, room, base, each, ahead[n], roles):
                 resolves[each.id] = replace(resolve, alarmed=True)
     enough = roles.resume_beyond if memory.acting else roles.act_within
     concerned = [n for n, each in enumerate(seen) if not _relies(each, resolves) and least[n] < enough]
@@ -141,7 +145,7 @@ def take_stance(
         return _hold(problem, hold, len(seen), idle)
     until = _until(ahead[[*concerned, *committed]], enough)
     hand = at_hand(problem, base, until)
-    worst = _each_gap(hull, hand.paths, seen).min(axis=(1, 2))
+    worst = _least_gap(hull, hand.paths, seen, room)
     for n in concerned:
         resolves = _resolved(seen[n], resolves, hand, worst, roles)
     active = [seen[n] for n in (*concerned, *committed)]
@@ -157,24 +161,29 @@ def take_stance(
         offset_limits=offset_limits,
         speed_limits=speed_limits,
         gains=tuple(_gain(each, resolves, roles) for each in seen),
-        starts=(starts := _starts(hull, limited, last, seen, hand, worst, roles)),
+        starts=(starts := _starts(hull, limited, room, last, seen, hand, worst, roles)),
         anchor=starts[0],
         memory=Memory(resolves=resolves, crossing=crossing, acting=True),
     )
 
 
 def safest(
-    hull: Hull, problem: LocalProblem, plan: LocalPlan, seen: Sequence[Seen], enough: float
+    hull: Hull,
+    problem: LocalProblem,
+    room: FloatArray,
+    plan: LocalPlan,
+    seen: Sequence[Seen],
+    enough: float,
 ) -> LocalPlan | None:
     """Find the gentlest manoeuvre at hand that clears by `enough` [m], or best, if a plan does not."""
     if not seen:
         return None
     ahead = _each_gap(hull, plan.trajectory.poses[None], seen)[0]
-    gap = float(ahead.min())
+    gap = float(_least_gap(hull, plan.trajectory.poses[None], seen, room)[0])
     if gap >= enough:
         return None
     hand = at_hand(problem, 0.0, _until(ahead, enough))
-    worst = _each_gap(hull, hand.paths, seen).min(axis=(1, 2))
+    worst = _least_gap(hull, hand.paths, seen, room)
     best = _gentlest(hand, worst, np.ones(len(worst), dtype=np.bool_), enough)
     if best is None or worst[best] < min(gap + _BETTER, enough):
         return None
@@ -186,6 +195,12 @@ def _each_gap(hull: Hull, plans: FloatArray, seen: Sequence[Seen]) -> FloatArray
     if not seen:
         return np.zeros((len(plans), 0, plans.shape[1] - 1))
     return np.stack([gaps(hull, plans, each.hull, each.path.poses) for each in seen], axis=1)
+
+
+def _least_gap(hull: Hull, plans: FloatArray, seen: Sequence[Seen], room: FloatArray) -> FloatArray:
+    """Least gap of each plan to all neighbours, and to the banks, (M,) [m]."""
+    ships = _each_gap(hull, plans, seen).min(axis=(1, 2), initial=math.inf)
+    return np.asarray(np.minimum(ships, bank_gaps(hull, plans, room).min(axis=1) + BANK_MARGIN))
 
 
 def _resolve(each: Seen, resolves: Mapping[ShipId, Resolve]) -> Resolve:
@@ -222,11 +237,17 @@ def _hold(problem: LocalProblem, hold: FloatArray, count: int, memory: Memory) -
 
 
 def _is_last_moment(
-    hull: Hull, problem: LocalProblem, base: float, each: Seen, ahead: FloatArray, roles: Roles
+    hull: Hull,
+    problem: LocalProblem,
+    room: FloatArray,
+    base: float,
+    each: Seen,
+    ahead: FloatArray,
+    roles: Roles,
 ) -> bool:
     """Whether no manoeuvre clears any more that begins after `reserve` more periods (BPR 6.03(5))."""
     late = at_hand(problem, base, _until(ahead[None], roles.clear_by), roles.reserve)
-    return not np.any(_each_gap(hull, late.paths, [each]).min(axis=(1, 2)) >= roles.clear_by)
+    return not np.any(_least_gap(hull, late.paths, [each], room) >= roles.clear_by)
 
 
 def _until(ahead: FloatArray, enough: float) -> int:
@@ -315,6 +336,7 @@ def _gain(each: Seen, resolves: Mapping[ShipId, Resolve], roles: Roles) -> float
 def _starts(
     hull: Hull,
     problem: LocalProblem,
+    room: FloatArray,
     last: FloatArray | None,
     seen: Sequence[Seen],
     hand: Manoeuvres,
@@ -334,7 +356,7 @@ def _starts(
     starts = [np.clip(hand.controls[best], low, high) for best in found]
     if last is not None:
         kept = np.clip(last, low, high)
-        if _each_gap(hull, sailed(problem, kept[None]), seen).min(initial=math.inf) < roles.clear_by:
+        if _least_gap(hull, sailed(problem, kept[None]), seen, room)[0] < roles.clear_by:
             starts.append(kept)
         elif not (found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)):
             return (kept,)
