@@ -117,16 +117,17 @@ class ShipAgent:
         if any(isinstance(event, Solved) for event in inbox):
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
         self._open_orders(period)
-        impatient = now >= period.began + timers.patience
+        detects = self._settings.deadlock_detection
+        impatient = detects and now >= period.began + timers.patience
         if (
             impatient
             or self._my_turn(period, negotiation)
             or self._released(now, period, negotiation, outbox)
         ):
             return self._ask(period, negotiation, outbox)
-        wake_at = period.began + timers.patience
-        if self._settings.deadlock_detection:
-            wake_at = min(wake_at, period.progressed + timers.deadlock)
+        wake_at = period.began + timers.deadline
+        if detects:
+            wake_at = min(period.began + timers.patience, period.progressed + timers.deadlock)
         return Step(outbox=tuple(outbox), wake_at=wake_at)
 
     # -- taking what comes -----------------------------------------------------------------------

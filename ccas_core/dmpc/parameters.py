@@ -104,7 +104,7 @@ class Roles:
     visible_offset: float = 12.0  # least offset of a ship that gives way to one side [m]
     visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
     swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
-    reserve: int = 2  # periods that a ship that stands on keeps in hand before it acts
+    reserve: float = 2  # periods that a ship that stands on keeps in hand before it acts
     crossing: Weights = field(
         default_factory=lambda: Weights(K_y=5.0, mu_1=1.0)
     )  # in place of `Settings.weights`
@@ -180,6 +180,10 @@ def _weight(name: str, meaning: str) -> Parameter:
     return Parameter("weights", name, "", 0.0, 1e9, meaning)
 
 
+def _role(name: str, unit: str, meaning: str) -> Parameter:
+    return Parameter("roles", name, unit, 0.0, 1e3, meaning)
+
+
 PARAMETERS: Final[dict[str, Parameter]] = {
     "K_ca": _weight("K_ca", "height of the collision risk"),
     "K_d": _weight("K_d", "discount of the risk per step"),
@@ -197,6 +201,16 @@ PARAMETERS: Final[dict[str, Parameter]] = {
     ),
     "alpha_x": Parameter("risk", "alpha_x", "m2", 1e-3, 1e9, "printed risk ellipse along the own axis"),
     "alpha_y": Parameter("risk", "alpha_y", "m2", 1e-3, 1e9, "printed risk ellipse across the own axis"),
+    "give_way_gain": _role("give_way", "", "factor of K_ca towards a ship to which one gives way"),
+    "stand_on_gain": _role("stand_on", "", "factor of K_ca towards a ship on which one relies"),
+    "free_gain": _role("none", "", "factor of K_ca towards other ships"),
+    "steadiness": _role("steadiness", "", "factor of mu_1 and mu_2 of a ship that stands on"),
+    "act_within": _role("act_within", "m", "gap of the own line within which a ship acts"),
+    "resume_beyond": _role("resume_beyond", "m", "gap of the own line beyond which it returns"),
+    "clear_by": _role("clear_by", "m", "gap by which a plan clears"),
+    "visible_offset": _role("visible_offset", "m", "least offset of a ship that gives way to one side"),
+    "visible_factor": _role("visible_factor", "", "greatest speed factor of a ship that begins to slow down"),
+    "reserve": _role("reserve", "", "periods that a ship that stands on keeps in hand"),
     "T_1": Parameter("kinematics", "time_constant", "s", 1e-3, 1e6, "time constant of the course"),
     "chi_max": Parameter("kinematics", "course_limit", "rad", 1e-3, math.pi / 2, "greatest steering angle"),
     "K_e": Parameter("kinematics", "steering_gain", "1/m", 1e-9, 1e3, "gain of the line-of-sight steering"),
@@ -206,7 +220,7 @@ PARAMETERS: Final[dict[str, Parameter]] = {
 
 
 def with_parameter(settings: Settings, name: str, value: float) -> Settings:
-    """Set one of `PARAMETERS`, in SI units.
+    """Set one of `PARAMETERS`, in SI units; those of roles change nothing where settings know no roles.
 
     >>> with_parameter(HEAD_ON, "K_y", 0.5).weights.K_y
     0.5
@@ -216,5 +230,8 @@ def with_parameter(settings: Settings, name: str, value: float) -> Settings:
         raise ValueError(f"{name} must lie in [{parameter.low:g}, {parameter.high:g}], got {value:g}")
     if not parameter.group:
         return replace(settings, **{parameter.name: value})  # type: ignore[arg-type]
-    group = replace(getattr(settings, parameter.group), **{parameter.name: value})
+    found = getattr(settings, parameter.group)
+    if found is None:
+        return settings
+    group = replace(found, **{parameter.name: value})
     return replace(settings, **{parameter.group: group})

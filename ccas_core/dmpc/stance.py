@@ -246,7 +246,7 @@ def _is_last_moment(
     roles: Roles,
 ) -> bool:
     """Whether no manoeuvre clears any more that begins after `reserve` more periods (BPR 6.03(5))."""
-    late = at_hand(problem, base, _until(ahead[None], roles.clear_by), roles.reserve)
+    late = at_hand(problem, base, _until(ahead[None], roles.clear_by), int(roles.reserve))
     return not np.any(_least_gap(hull, late.paths, [each], room) >= roles.clear_by)
 
 

@@ -28,7 +28,7 @@ from ..sim.voyage import undisturbed_times, voyage
 from ..tapd.ruleset import AbstractRuleset, Situation
 from ..waterway import guiding_line
 from ..world import ShipReport, World
-from .changes import changes_of_mind
+from .changes import actions, changes_of_mind
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from .groups import draw_junction, draw_reach
 from .spec import TWO_SHIPS, Cell, Draw, Sweep, Variant
@@ -147,6 +147,7 @@ def sail(
         "undisturbed_s": {str(id_): time for id_, time in undisturbed_times(sailed).items()},
         "encounters": _judged(sailed, found["encounters"]),
         "changes_of_mind": changes_of_mind(frames),
+        "actions": actions(frames),
         "periods": len(frames),
         "seconds": time.perf_counter() - began,
     }

@@ -30,6 +30,16 @@ def changes_of_mind(frames: Sequence[Frame]) -> dict[str, int]:
     return found
 
 
+def actions(frames: Sequence[Frame]) -> dict[str, int]:
+    """How often every ship begins to act."""
+    ids = sorted({id_ for frame in frames for id_ in under_way(frame)})
+    found = {}
+    for id_ in ids:
+        acts = [bool(_side(ship.offset)) or ship.speed_factor < ACTING_FACTOR for ship in states(frames, id_)]
+        found[str(id_)] = sum(now and not before for before, now in pairwise([False, *acts]))
+    return found
+
+
 def _side(offset: float) -> int:
     return 0 if abs(offset) <= ACTING_OFFSET else (1 if offset > 0.0 else -1)
 

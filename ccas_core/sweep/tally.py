@@ -62,6 +62,7 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
         "mean_delay_s": _mean(delays),
         "mean_stand_on_delay_share": _mean(stand_on),
         "most_changes_of_mind": max(changes, default=0),
+        "mean_actions": _mean([float(n) for kept in done for n in kept["actions"].values()]),
     }
 
 

@@ -150,7 +150,7 @@ def test_predecessor_that_never_decides_does_not_keep_a_ship_beyond_its_deadline
 
     late = ship.step(15.0, [])
 
-    assert waiting.wake_at == 10.0
+    assert waiting.wake_at == 15.0
     assert late.decision is not None
     assert late.decision.fallback == "the deadline came before the ship's turn: the ship slows down"
     assert late.decision.speed_factor == 0.0
@@ -158,7 +158,7 @@ def test_predecessor_that_never_decides_does_not_keep_a_ship_beyond_its_deadline
 
 def test_ship_goes_on_without_a_predecessor_that_stays_silent() -> None:
     report, judged, _ = words_of_a()
-    ship = agent(B, TWO, detection=False)
+    ship = agent(B, TWO)
     ship.step(0.0, [sensed(B), report])
     ship.step(1.0, [])
     ship.step(1.1, [judged])
