@@ -314,10 +314,11 @@ class ShipAgent:
             told = None if ship in self._distrusted else period.intentions.get(ship)
             if told is None and settings.expectation is Expectation.LAST_PLAN:
                 told = self._promises.get(ship)
+            unmoved = self._predictor.predict(report.pose, report.speed, horizon, time_step)
             if told is None or ship in self._distrusted:
-                told = self._predictor.predict(report.pose, report.speed, horizon, time_step)
+                told = unmoved
             bearing = period.bearings.get(ship, NO_BEARING)
-            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon), ship, bearing))
+            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon), ship, bearing, unmoved))
         for obstacle in self._waters.obstacles:
             pose = NedPose(obstacle.x, obstacle.y, 0.0)
             circle = Hull(

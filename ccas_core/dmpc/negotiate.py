@@ -33,6 +33,7 @@ class Neighbour:
     trajectory: NedTrajectory
     id: ShipId | None = None  # None for an obstacle
     bearing: Bearing = NO_BEARING
+    unmoved: NedTrajectory | None = None  # where it would be if it went on as it is
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,7 +262,13 @@ def _seen(situation: Situation, neighbours: Sequence[Neighbour]) -> list[Seen]:
     """Neighbours as the stance sees them, in the own frame."""
     frame = situation.frame
     return [
-        Seen(each.id, each.hull, frame.trajectory_to_path(each.trajectory), each.bearing)
+        Seen(
+            each.id,
+            each.hull,
+            frame.trajectory_to_path(each.trajectory),
+            each.bearing,
+            frame.trajectory_to_path(each.unmoved) if each.unmoved else None,
+        )
         for each in neighbours
     ]
 

@@ -72,6 +72,7 @@ class Seen:
     hull: Hull
     path: PathTrajectory
     bearing: Bearing = NO_BEARING
+    unmoved: PathTrajectory | None = None  # where it would be if it went on as it is
 
     @property
     def crosses(self) -> bool:
@@ -129,6 +130,10 @@ def take_stance(
     ahead = _each_gap(hull, sailed(problem, hold[None]), seen)[0]  # (n, N)
     least = ahead.min(axis=1, initial=math.inf)
     for n, each in enumerate(seen):
+        if each.bearing.role is Role.BOTH and each.unmoved and _resolve(each, resolves) == Resolve():
+            alone = gaps(hull, sailed(problem, hold[None]), each.hull, each.unmoved.poses)
+            least[n] = min(least[n], float(alone.min()))  # both act, whatever the other has told
+    for n, each in enumerate(seen):
         if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < roles.clear_by:
             resolve = resolves.get(each.id, Resolve())
             if not resolve.alarmed and _is_last_moment(hull, problem, room, base, each, ahead[n], roles):
@@ -152,7 +157,7 @@ def take_stance(
     offset_limits, speed_limits = _limits(problem, active, resolves, until, roles)
     for n in concerned:
         id_ = seen[n].id
-        if id_ is not None and seen[n].bearing.role in _OBLIGED and seen[n].crosses:
+        if id_ is not None and _must_slow(problem, seen[n], resolves, roles):
             resolves[id_] = replace(_resolve(seen[n], resolves), slowed=True)
     limited = replace(problem, offset_limits=offset_limits, speed_limits=speed_limits)
     crossing = _share(memory, active)
@@ -266,11 +271,13 @@ def _resolved(
     if each.id is None or each.bearing.role not in _OBLIGED or geometry not in _USUAL:
         return found
     side = each.bearing.passing_side
-    options = (_SIDE[side],) if side in _SIDE else _USUAL[geometry]
+    options = _USUAL[geometry]
+    if side in _SIDE:  # overtaking, the prescribed side is the one to be preferred
+        options = (_SIDE[side], -_SIDE[side]) if geometry is Geometry.OVERTAKING else (_SIDE[side],)
     best = {s: float(worst[hand.side == s].max()) for s in options}
     if resolve.side and (best.get(resolve.side, 0.0) >= 0.0 or resolve.turns >= _TURNS):
         return found
-    enough = roles.clear_by if geometry is Geometry.HEAD_ON else roles.resume_beyond
+    enough = roles.resume_beyond if geometry is Geometry.OVERTAKING and side not in _SIDE else roles.clear_by
     chosen = next((s for s in options if best[s] >= enough), max(options, key=best.__getitem__))
     if best[chosen] >= 0.0 or geometry is Geometry.HEAD_ON:
         turned = resolve.side not in (0, chosen)
@@ -294,13 +301,19 @@ def _limits(
         offset[:until, 0] = np.minimum(roles.visible_offset, offset[:until, 1] - _STEADY_OFFSET)
     elif sides == {-1}:
         offset[:until, 1] = np.maximum(-roles.visible_offset, offset[:until, 0] + _STEADY_OFFSET)
-    slows = (
-        each.bearing.role in _OBLIGED and each.crosses and not _resolve(each, resolves).slowed
-        for each in active
-    )
-    if any(slows):
+    if any(_must_slow(problem, each, resolves, roles) for each in active):
         speed[0, 1] = roles.visible_factor
     return offset, speed
+
+
+def _must_slow(problem: LocalProblem, each: Seen, resolves: Mapping[ShipId, Resolve], roles: Roles) -> bool:
+    """Whether a ship is to show by its speed that it gives way: crossing, or without room to go aside."""
+    resolve = _resolve(each, resolves)
+    if each.bearing.role not in _OBLIGED or resolve.slowed:
+        return False
+    low, high = problem.offset_limits[0]
+    aside = high if resolve.side > 0 else -low
+    return each.crosses or bool(resolve.side and aside < roles.visible_offset)
 
 
 def _share(memory: Memory, concerned: Sequence[Seen]) -> float:

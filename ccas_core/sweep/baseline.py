@@ -1,4 +1,4 @@
-"""A case beside the centralised baseline: whether a free answer exists, and the price of being distributed."""
+"""A case beside the centralised baseline: whether a free answer exists, and the price of distribution."""
 
 from __future__ import annotations
 

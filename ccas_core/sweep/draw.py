@@ -89,7 +89,7 @@ def _side_by_side(rng: np.random.Generator, bound: float, apart: float, risk: Ri
     """Lateral positions of two lines in one frame [m]: less than `apart` from one another, or calm."""
     if risk is Risk.RISKY:
         one = _uniform(rng, -bound, bound)
-        return one, one + _uniform(rng, -apart, apart)
+        return one, _uniform(rng, max(-bound, one - apart), min(bound, one + apart))
     gap = apart + CALM_BEYOND - RISKY_WITHIN + 1.0
     one = _uniform(rng, gap / 2.0, max(gap / 2.0, bound + gap / 4.0))
     other = one - _uniform(rng, gap, gap + 20.0)
