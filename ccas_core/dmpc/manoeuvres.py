@@ -21,6 +21,7 @@ from .model import CONTROLS, constants, stage_model
 OFFSETS: Final = (12.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)  # to either side [m]
 FACTORS: Final = (0.75, 0.5, 0.25, 0.0)  # of speed
 PERIODS: Final = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 36)  # for which a ship is slower
+DEAR: Final = 30.0  # offset that is as dear as a period lost [m]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +31,7 @@ class Manoeuvres:
     controls: FloatArray  # (M, N, 2)
     paths: FloatArray  # (M, N + 1, 3), in the own path frame
     side: FloatArray  # (M,): +1 to starboard, -1 to port, 0 neither
-    size: FloatArray  # (M,): greatest offset [m], or periods lost
+    size: FloatArray  # (M,): greatest offset, or what the loss of time is worth [m]
 
 
 def at_hand(problem: LocalProblem, base: float, until: int, after: int = 0) -> Manoeuvres:
@@ -64,7 +65,7 @@ def at_hand(problem: LocalProblem, base: float, until: int, after: int = 0) -> M
             speed[begin : begin + periods] = factor
             rows.append(np.column_stack([np.clip(np.full(horizon, base), low, high), speed]))
             sides.append(0.0)
-            sizes.append((1.0 - factor) * periods)
+            sizes.append(DEAR * (1.0 - factor) * periods)
     controls = np.array(rows)
     return Manoeuvres(controls, sailed(problem, controls), np.array(sides), np.array(sizes))
 

@@ -149,7 +149,7 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
         return negotiation
     problem = replace(_problem(situation, ()), offset_limits=limits)
     seen = _seen(situation, neighbours)
-    plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, roles.clear_by)
+    plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, stance, roles.clear_by)
     if plan is None:
         return negotiation
     return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))

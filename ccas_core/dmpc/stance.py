@@ -178,9 +178,13 @@ def safest(
     room: FloatArray,
     plan: LocalPlan,
     seen: Sequence[Seen],
+    stance: Stance,
     enough: float,
 ) -> LocalPlan | None:
-    """Find the gentlest manoeuvre at hand that clears by `enough` [m], or best, if a plan does not."""
+    """Find the gentlest manoeuvre at hand that clears by `enough` [m], or best, if a plan does not.
+
+    Those come first that the stance allows.  `problem` has the limits of the water.
+    """
     if not seen:
         return None
     ahead = _each_gap(hull, plan.trajectory.poses[None], seen)[0]
@@ -189,7 +193,10 @@ def safest(
         return None
     hand = at_hand(problem, 0.0, _until(ahead, enough))
     worst = _least_gap(hull, hand.paths, seen, room)
-    best = _gentlest(hand, worst, np.ones(len(worst), dtype=np.bool_), enough)
+    allowed = _within(hand, stance.offset_limits, stance.speed_limits)
+    best = _gentlest(hand, worst, allowed, enough)
+    if best is None or worst[best] < enough:
+        best = _gentlest(hand, worst, np.ones_like(allowed), enough)
     if best is None or worst[best] < min(gap + _BETTER, enough):
         return None
     return LocalPlan(controls=hand.controls[best], trajectory=PathTrajectory(hand.paths[best]))
@@ -271,7 +278,7 @@ def _resolved(
     if each.id is None or each.bearing.role not in _OBLIGED or geometry not in _USUAL:
         return found
     side = each.bearing.passing_side
-    options = _USUAL[geometry]
+    options: tuple[int, ...] = _USUAL[geometry]
     if side in _SIDE:  # overtaking, the prescribed side is the one to be preferred
         options = (_SIDE[side], -_SIDE[side]) if geometry is Geometry.OVERTAKING else (_SIDE[side],)
     best = {s: float(worst[hand.side == s].max()) for s in options}
@@ -359,7 +366,7 @@ def _starts(
     """Keep the last plan while it clears and loses little; else take the gentlest manoeuvres that do."""
     low = np.stack([problem.offset_limits[:, 0], problem.speed_limits[:, 0]], axis=1)
     high = np.stack([problem.offset_limits[:, 1], problem.speed_limits[:, 1]], axis=1)
-    allowed = np.all((hand.controls >= low - 1e-9) & (hand.controls <= high + 1e-9), axis=(1, 2))
+    allowed = _within(hand, problem.offset_limits, problem.speed_limits)
     found = [
         best
         for kind in (hand.side != 0.0, hand.side == 0.0)
@@ -374,6 +381,13 @@ def _starts(
         elif not (found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)):
             return (kept,)
     return tuple(starts) or (np.clip(_steady(problem, 0.0), low, high),)
+
+
+def _within(hand: Manoeuvres, offset_limits: FloatArray, speed_limits: FloatArray) -> NDArray[np.bool_]:
+    """Which manoeuvres keep limits (N, 2), (M,)."""
+    limits = np.stack([offset_limits, speed_limits], axis=1)  # (N, control, side)
+    inside = (hand.controls >= limits[..., 0] - 1e-9) & (hand.controls <= limits[..., 1] + 1e-9)
+    return np.asarray(np.all(inside, axis=(1, 2)), dtype=np.bool_)
 
 
 def _lost(controls: FloatArray) -> float:
