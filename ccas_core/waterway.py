@@ -178,7 +178,12 @@ class GuidingLine:
         return self.legs[self._index(x)]
 
     def offset_limits(self, x: float, beam: float) -> tuple[float, float]:
-        """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max.
+        """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max."""
+        low, high = self.room(x, beam)
+        return max(-OFFSET_LIMIT, low), min(OFFSET_LIMIT, high)
+
+    def room(self, x: float, beam: float) -> tuple[float, float]:
+        """Least and greatest cross-track offset [m] at which a hull keeps its margin to the banks.
 
         Where a line runs so near to a bank that not even zero offset has the margin, zero
         remains allowed: the line itself was chosen by the user.
@@ -186,7 +191,7 @@ class GuidingLine:
         index = self._index(x)
         room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
         offset = self.legs[index].offset if self.frame.is_straight else self._beside_centreline(index, x)
-        return min(0.0, max(-OFFSET_LIMIT, -room - offset)), max(0.0, min(OFFSET_LIMIT, room - offset))
+        return min(0.0, -room - offset), max(0.0, room - offset)
 
     def _beside_centreline(self, index: int, x: float) -> float:
         """Offset of the line from the centreline [m]; on a rounded corner it is not that of the leg."""

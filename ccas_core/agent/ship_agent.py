@@ -33,7 +33,7 @@ from ..tapd.deadlock import Waiting, opened_orders, released
 from ..tapd.encounters import NO_ENCOUNTER, Encounter
 from ..tapd.ruleset import AbstractRuleset, Pair, Situation
 from ..verdict import Kind, Verdict
-from ..waterway import GuidingLine, Waters
+from ..waterway import OFFSET_LIMIT, GuidingLine, Waters
 from ..world import ShipReport, World
 from .events import AgentSettings, Conduct, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
@@ -279,10 +279,11 @@ class ShipAgent:
         initial = self._line.frame.to_path(period.own.pose)
         ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
         hull, roles = self.ship.hull, settings.roles
-        room = np.array([self._line.offset_limits(float(x), hull.beam) for x in ahead])
+        room = np.array([self._line.room(float(x), hull.beam) for x in ahead])
         swing = roles.swing * hull.length / 2.0 if roles else 0.0
         low, high = room.T
         limits = np.column_stack([np.minimum(low + swing, 0.0), np.maximum(high - swing, 0.0)])
+        limits = limits.clip(-OFFSET_LIMIT, OFFSET_LIMIT)
         period.limits = limits
         last = self._last_controls
         return negotiate.Situation(
