@@ -10,7 +10,7 @@ import csv
 import importlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -20,7 +20,8 @@ from ..sim.metrics import plain
 from ..sim.run_folder import explained
 from ..sim.scenario_dump import dump_scenario
 from ..tapd.ruleset import AbstractRuleset
-from .case import cases, geometry, scenario
+from .baseline import compare
+from .case import cases, geometry, is_two_ships, scenario
 from .executor import execute
 from .journal import FILE, Journal
 from .spec import Sweep
@@ -30,6 +31,7 @@ from .workers import Status
 
 SUMMARY: Final = "summary.json"
 TABLE: Final = "cases.csv"
+_JOINT_DEADLINE: Final = 300.0  # of one joint problem and the voyage beside it [s]
 WORST: Final = "worst"
 COLUMNS: Final = (
     "case",
@@ -106,11 +108,45 @@ def run(
     return tuple(found[key] for key in wanted)
 
 
+def run_jointly(
+    sweep: Sweep, results: Sequence[Result], folder: Path, code: str, tell: Callable[[Progress], None]
+) -> dict[str, dict[str, Any]]:
+    """Solve groups by one mind as well: every one with a fault, and the first `jointly` of each cell.
+
+    What `baseline.compare` says of each, by the name of the case.
+    """
+    chosen = [
+        each.case
+        for each in results
+        if not is_two_ships(each.case.cell)
+        and each.status is Status.DONE
+        and (each.case.index < sweep.jointly or faults(each))
+    ]
+    journal = Journal(folder / FILE)
+    wanted = {f"joint-{case.key(code)}": case for case in chosen}
+    found = {case.name: journal.results[key] for key, case in wanted.items() if key in journal.results}
+    keys = {case: key for key, case in wanted.items() if case.name not in found}
+    progress = Progress(len(wanted), len(found))
+    for done in execute(sweep.executor, compare, list(keys), _JOINT_DEADLINE):
+        result = done.result if done.status is Status.DONE else {"why": str(done.result)}
+        if done.status is Status.DONE:
+            result = journal.add(keys[done.task], done.task.name, result)
+        found[done.task.name] = result
+        progress.done += 1
+        tell(progress)
+    return {case.name: found[case.name] for case in chosen}
+
+
 def write(
-    sweep: Sweep, results: tuple[Result, ...], folder: Path, rulesets: Mapping[str, AbstractRuleset]
+    sweep: Sweep,
+    results: tuple[Result, ...],
+    jointly: Mapping[str, Mapping[str, Any]],
+    folder: Path,
+    rulesets: Mapping[str, AbstractRuleset],
 ) -> dict[str, Any]:
     """Write table, summary, and the scenario files of all cases with a fault; return the summary."""
-    found: dict[str, Any] = json.loads(json.dumps(plain(summary(sweep.name, sweep.seed, results))))
+    told = {**summary(sweep.name, sweep.seed, results), "jointly": dict(jointly)}
+    found: dict[str, Any] = json.loads(json.dumps(plain(told)))
     with explained(folder):
         with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:
             table = csv.DictWriter(file, COLUMNS, lineterminator="\n")

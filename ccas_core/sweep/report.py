@@ -54,6 +54,7 @@ def write_report(
         _rates(found["cells"]),
         "<h2>Cases with a fault</h2>",
         *_faulty(results),
+        *_jointly(found["jointly"]),
         *_pictures(results, rulesets),
     ]
     page = (
@@ -153,6 +154,31 @@ def _faulty(results: Sequence[Result]) -> list[str]:
         f"<p>Sail one again with <code>{command}</code> from this folder.</p>",
         _table(("case", "faults", "least clearance [m]", "what was said"), rows),
         f"<p>And {more} more, in <code>cases.csv</code>.</p>" if more > 0 else "",
+    ]
+
+
+def _jointly(compared: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Groups beside the centralised baseline."""
+    solved = {name: each for name, each in compared.items() if "joint_cost" in each}
+    if not solved:
+        return []
+    ratios = [
+        each["sailed_cost"] / each["joint_cost"] for each in solved.values() if each["joint_cost"] > 0.0
+    ]
+    rows = [
+        [
+            (name, False),
+            ("yes" if each["free"] else "no", not each["free"]),
+            (f"{each['joint_cost']:.1f}", False),
+            (f"{each['sailed_cost']:.1f}", False),
+        ]
+        for name, each in solved.items()
+    ]
+    median = f", at the median {sorted(ratios)[len(ratios) // 2]:.2f} times" if ratios else ""
+    return [
+        "<h2>Beside one mind that steers all</h2>",
+        f"<p>Cost over one horizon of what the ships sailed{median} that of the joint optimum.</p>",
+        _table(("case", "a free answer exists", "joint cost", "cost as sailed"), rows),
     ]
 
 

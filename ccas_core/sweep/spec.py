@@ -68,6 +68,7 @@ class Sweep:
     executor: str = "local"
     deadline: float = 60.0  # of one case [s]
     solver: str = "riccati"
+    jointly: int = 0  # cases of each cell of groups that are solved by one mind as well
     title: str = ""
 
 
@@ -96,6 +97,7 @@ def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | No
         executor=reader.text(root.optional("executor", "local")),
         deadline=reader.number(root.optional("deadline", "60 s"), TIME, Range(above=0.0)),
         solver=reader.text(root.optional("solver", "riccati")),
+        jointly=reader.integer(root.optional("jointly", "0"), 0, _MOST),
         rulesets=tuple(
             _ruleset(reader, each, rulesets) for each in reader.items(root.require("rulesets"), 1)
         ),

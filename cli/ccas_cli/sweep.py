@@ -74,7 +74,7 @@ def sweep(
     Example:
         ccas sweep two_ship_short --seed 7 --out runs/seven
     """
-    from ccas_core.sweep.campaign import run, write, write_parquet
+    from ccas_core.sweep.campaign import run, run_jointly, write, write_parquet
     from ccas_core.sweep.journal import code_digest
     from ccas_core.sweep.report import write_report
 
@@ -87,7 +87,8 @@ def sweep(
     teller = _Teller(quiet=quiet)
     results = run(wanted, folder, code, teller.tell)
     teller.end()
-    found = write(wanted, results, folder, plugins.rulesets)
+    jointly = run_jointly(wanted, results, folder, code, _Teller(quiet=quiet).tell)
+    found = write(wanted, results, jointly, folder, plugins.rulesets)
     if parquet:
         write_parquet(results, folder / "cases.parquet")
     report = write_report(wanted, results, found, folder, plugins.rulesets)
