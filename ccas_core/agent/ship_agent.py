@@ -407,4 +407,6 @@ class ShipAgent:
 
     def _intention(self, period: Period, negotiation: Negotiation) -> Intention:
         decided = period.phase is Phase.DONE
+        if self._settings.conduct is Conduct.IGNORES:
+            negotiation = negotiate.sailing_on(negotiation)
         return Intention(self.ship.id, period.index, negotiation.iteration, negotiation.told(), decided)

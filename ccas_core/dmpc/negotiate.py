@@ -161,7 +161,7 @@ def sailing_on(negotiation: Negotiation) -> Negotiation:
     free = np.tile([-math.inf, math.inf], (situation.settings.horizon, 1))
     problem = replace(_problem(situation, ()), offset_limits=free)
     plan = rollout(problem, _guess(Start.NOMINAL, situation))
-    return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
+    return replace(negotiation, plan=plan, iterate=nadmm.start(plan.trajectory.poses))
 
 
 def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> bool:
