@@ -233,5 +233,8 @@ def with_parameter(settings: Settings, name: str, value: float) -> Settings:
     found = getattr(settings, parameter.group)
     if found is None:
         return settings
-    group = replace(found, **{parameter.name: value})
-    return replace(settings, **{parameter.group: group})
+    changed = replace(settings, **{parameter.group: replace(found, **{parameter.name: value})})
+    if parameter.group != "weights" or changed.roles is None:
+        return changed
+    crossing = replace(changed.roles.crossing, **{parameter.name: value})
+    return replace(changed, roles=replace(changed.roles, crossing=crossing))
