@@ -15,6 +15,7 @@ import numpy as np
 from ..frames import FloatArray
 from ..ships import Hull
 
+FAR: Final = 60.0  # gaps of plans that stay farther away are told by the centres alone [m]
 LOOKS: Final = 5  # in a step; a ship moves by less than its beam and length between two of them
 
 
@@ -35,6 +36,19 @@ def gaps(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatA
     >>> gaps(hull, here, hull, there).tolist()  # 30 - 10 / 2 - 15 / 2
     [[17.5]]
     """
+    reach = (own.safety_length + own.safety_beam + other.safety_length + other.safety_beam) / 2.0
+    here, there = plans[:, :, :2], poses[None, :, :2]
+    away = np.hypot(*np.moveaxis(there - here, 2, 0))
+    way = np.hypot(*np.moveaxis(np.diff(there - here, axis=1), 2, 0))  # towards one another, in a step
+    least = np.minimum(away[:, :-1], away[:, 1:]) - way / 2.0 - reach  # never more than the gap
+    near = np.any(least < FAR, axis=1)
+    if np.any(near):
+        least[near] = _exact(own, plans[near], other, poses)
+    return np.asarray(least)
+
+
+def _exact(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatArray:
+    """Gaps by the axes of both hulls, at all looks."""
     here, there = _looks(plans), _looks(poses[None])
     apart = there[..., :2] - here[..., :2]
     turned = there[..., 2] - here[..., 2]
