@@ -15,7 +15,8 @@ from dataclasses import dataclass
 class Diagnostic:
     """One finding: where, what was found, what was expected, and what would help.
 
-    `line` and `column` count from 1; 0 means that the finding concerns the file as a whole.
+    `line` and `column` count from 1; 0 means that the finding concerns the file as a whole.  `width` is how
+    many letters are meant.  A finding with a `code` has a page of its own (`ccas code CODE`).
     """
 
     source: str
@@ -25,14 +26,18 @@ class Diagnostic:
     expected: str = ""
     hint: str = ""
     excerpt: str = ""
+    width: int = 1
+    code: str = ""
 
     def __str__(self) -> str:
         place = self.source if not self.line else f"{self.source}:{self.line}:{self.column}"
-        lines = [f"{place}: {self.message}"]
+        code = f"[{self.code}] " if self.code else ""
+        lines = [f"{place}: {code}{self.message}"]
         if self.excerpt:
             gutter = str(self.line)
             lines.append(f" {gutter} | {self.excerpt}")
-            lines.append(f" {' ' * len(gutter)} | {' ' * (self.column - 1)}^")
+            marks = "^" * max(1, min(self.width, len(self.excerpt) - self.column + 1))
+            lines.append(f" {' ' * len(gutter)} | {' ' * (self.column - 1)}{marks}")
         if self.expected:
             lines.append(f"    expected: {self.expected}")
         if self.hint:

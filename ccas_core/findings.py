@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NoReturn
 
@@ -47,10 +47,27 @@ class Findings:
         """Number of findings so far."""
         return len(self._findings)
 
-    def refuse(self, at: Place, message: str, *, expected: str = "", hint: str = "") -> None:
+    @property
+    def source(self) -> str:
+        """What the file is called in findings."""
+        return self._source
+
+    def line(self, number: int) -> str:
+        """A line of the file; empty where there is none."""
+        return self._lines[number - 1] if 0 < number <= len(self._lines) else ""
+
+    def told(self) -> tuple[Diagnostic, ...]:
+        """All findings so far, in the order of the file, each once."""
+        ordered = sorted(self._findings, key=lambda each: (each.line, each.column))
+        return tuple(dict.fromkeys(ordered))  # what an alias repeats is found again
+
+    def refuse(
+        self, at: Place, message: str, *, expected: str = "", hint: str = "", width: int = 1, code: str = ""
+    ) -> None:
         """Add a finding; too many of them stop the reading."""
-        line = self._lines[at.line - 1] if 0 < at.line <= len(self._lines) else ""
-        self._findings.append(_finding(self._source, at, line, message, expected=expected, hint=hint))
+        line = self.line(at.line)
+        told = _finding(self._source, at, line, message, expected=expected, hint=hint)
+        self._findings.append(replace(told, width=width, code=code))
         if self.count == MAX_FINDINGS:
             self.finish()
 
@@ -60,17 +77,18 @@ class Findings:
         hint = did_you_mean(word[:40], names) if names else ""
         self.refuse(at, f"unknown {what} {quoted(word)}", hint=hint)
 
-    def stop(self, at: Place, message: str, *, expected: str = "", hint: str = "") -> NoReturn:
+    def stop(
+        self, at: Place, message: str, *, expected: str = "", hint: str = "", width: int = 1
+    ) -> NoReturn:
         """Add a finding after which nothing more can be known, and raise."""
-        self.refuse(at, message, expected=expected, hint=hint)
+        self.refuse(at, message, expected=expected, hint=hint, width=width)
         self.finish()
         raise AssertionError("a finding has just been added")
 
     def finish(self) -> None:
         """Raise all findings, in the order of the file, if there are any."""
         if self._findings:
-            ordered = sorted(self._findings, key=lambda each: (each.line, each.column))
-            raise self._kind(*dict.fromkeys(ordered))  # what an alias repeats is found again
+            raise self._kind(*self.told())
 
 
 def read_text(path: str | Path, kind: type[InputError] = InputError) -> str:

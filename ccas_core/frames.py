@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from functools import lru_cache
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from .units import wrap
 
 FloatArray: TypeAlias = NDArray[np.float64]
+FEW: Final = 8  # segments of a line that are quicker looked at than sorted out
 
 
 def frozen_array(values: ArrayLike) -> FloatArray:
@@ -98,6 +100,8 @@ class PathFrame:
     _distances: FloatArray = field(init=False, repr=False)
     _tangents: FloatArray = field(init=False, repr=False)
     _courses: FloatArray = field(init=False, repr=False)
+    _lower: FloatArray = field(init=False, repr=False)  # of the foot of a pose on each segment
+    _upper: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         vertices = frozen_array(self.vertices)
@@ -113,6 +117,10 @@ class PathFrame:
         set_(self, "_distances", frozen_array(np.concatenate([[0.0], np.cumsum(lengths)])))
         set_(self, "_tangents", frozen_array(steps / lengths[:, None]))
         set_(self, "_courses", frozen_array(np.arctan2(steps[:, 1], steps[:, 0])))
+        lower, upper = np.zeros(len(lengths)), lengths.copy()
+        lower[0], upper[-1] = -math.inf, math.inf
+        set_(self, "_lower", frozen_array(lower))
+        set_(self, "_upper", frozen_array(upper))
 
     @property
     def length(self) -> float:
@@ -128,11 +136,20 @@ class PathFrame:
         """Course of the guiding line [rad] at distance x [m] along it."""
         return float(self._courses[self._segment(np.array([x]))[0]])
 
+    def stretch(self, first: float, last: float) -> FloatArray:
+        """Points of the guiding line from one distance [m] along it to a greater one, (n, 2).
+
+        >>> PathFrame(frozen_array([[0.0, 0.0], [0.0, 1000.0]])).stretch(100.0, 300.0).tolist()
+        [[0.0, 100.0], [0.0, 300.0]]
+        """
+        within = (self._distances > first) & (self._distances < last)
+        ends = self._out_of(np.array([[first, 0.0, 0.0], [last, 0.0, 0.0]]))[:, :2]
+        return np.vstack([ends[:1], self.vertices[within], ends[1:]])
+
     def to_path(self, pose: NedPose) -> PathPose:
         """Read a pose of {n} in this frame; the course comes back in (-pi, pi]."""
         if len(self._courses) > 1:
-            x, y, course = map(float, self._into(np.array([[pose.x, pose.y, pose.course]]))[0])
-            return PathPose(x, y, wrap(course))
+            return _on_bent_line(self, pose)
         (x0, y0), (cos, sin) = self.vertices[0].tolist(), self._tangents[0].tolist()
         away_x, away_y = pose.x - x0, pose.y - y0
         course = pose.course - float(self._courses[0])
@@ -152,35 +169,71 @@ class PathFrame:
         return NedTrajectory(self._out_of(trajectory.poses))
 
     def _segment(self, x: FloatArray) -> NDArray[np.intp]:
-        return np.clip(np.searchsorted(self._distances, x, side="right") - 1, 0, len(self._lengths) - 1)
+        found = np.searchsorted(self._distances, x, side="right") - 1
+        return np.minimum(np.maximum(found, 0), len(self._lengths) - 1)
 
     def _into(self, poses: FloatArray) -> FloatArray:
-        away = poses[:, None, :2] - self.vertices[None, :-1, :]  # (m, segments, 2)
-        along = np.einsum("msk,sk->ms", away, self._tangents)
-        lower = np.zeros(len(self._lengths))
-        upper = self._lengths.copy()
-        lower[0], upper[-1] = -math.inf, math.inf
-        foot = np.clip(along, lower, upper)
-        gap = away - foot[..., None] * self._tangents[None]
-        nearest = np.argmin(np.einsum("msk,msk->ms", gap, gap), axis=1)
+        first, last = self._near(poses)
+        start, tangents = self.vertices[first:last], self._tangents[first:last]  # (segments, 2)
+        away_x = poses[:, 0, None] - start[:, 0]  # (m, segments)
+        away_y = poses[:, 1, None] - start[:, 1]
+        along = away_x * tangents[:, 0] + away_y * tangents[:, 1]
+        foot = np.minimum(np.maximum(along, self._lower[first:last]), self._upper[first:last])
+        gap_x, gap_y = away_x - foot * tangents[:, 0], away_y - foot * tangents[:, 1]
+        nearest = np.argmin(gap_x * gap_x + gap_y * gap_y, axis=1)
         rows = np.arange(len(poses))
-        gap, tangent = gap[rows, nearest], self._tangents[nearest]
-        across = tangent[:, 0] * gap[:, 1] - tangent[:, 1] * gap[:, 0]
-        beyond = along[rows, nearest] != foot[rows, nearest]  # outside of a bend: distance to its corner
-        corner = nearest + (along[rows, nearest] > foot[rows, nearest])
-        inner = np.clip(corner, 1, len(self._lengths) - 1)
-        come, go = self._tangents[inner - 1], self._tangents[inner]
-        outside = go[:, 0] * come[:, 1] - go[:, 1] * come[:, 0]  # of a bend to starboard: to port
-        y = np.where(beyond, np.copysign(np.hypot(gap[:, 0], gap[:, 1]), outside), across)
-        x = self._distances[nearest] + foot[rows, nearest]
+        along, foot, gap_x, gap_y = (each[rows, nearest] for each in (along, foot, gap_x, gap_y))
+        nearest += first
+        tangent = self._tangents[nearest]
+        found = np.empty_like(poses)
+        found[:, 0] = self._distances[nearest] + foot
+        found[:, 1] = tangent[:, 0] * gap_y - tangent[:, 1] * gap_x
+        beyond = along != foot  # outside of a bend: distance to its corner
+        if beyond.any():
+            corner = nearest + (along > foot)
+            inner = np.minimum(np.maximum(corner, 1), len(self._lengths) - 1)
+            come, go = self._tangents[inner - 1], self._tangents[inner]
+            outside = go[:, 0] * come[:, 1] - go[:, 1] * come[:, 0]  # of a bend to starboard: to port
+            found[beyond, 1] = np.copysign(np.hypot(gap_x, gap_y), outside)[beyond]
         turn = poses[:, 2] - self._courses[nearest]
-        course = np.arctan2(np.sin(turn), np.cos(turn))
-        return np.column_stack([x, y, course])
+        found[:, 2] = np.arctan2(np.sin(turn), np.cos(turn))
+        return found
+
+    def _near(self, poses: FloatArray) -> tuple[int, int]:
+        """Range of segments outside of which none is nearest to any pose.
+
+        With c in the midst of poses that are at most r from it, and the line D from c: a pose is no farther
+        than D + r from the line, and at least s - r from a segment that is s from c.
+        """
+        count = len(self._lengths)
+        if count <= FEW or len(poses) == 1:
+            return 0, count
+        x, y = poses[:, 0], poses[:, 1]
+        low_x, high_x, low_y, high_y = x.min(), x.max(), y.min(), y.max()
+        radius = 0.5 * math.hypot(high_x - low_x, high_y - low_y)
+        if not math.isfinite(radius):
+            return 0, count
+        away_x = 0.5 * (low_x + high_x) - self.vertices[:-1, 0]
+        away_y = 0.5 * (low_y + high_y) - self.vertices[:-1, 1]
+        foot = away_x * self._tangents[:, 0] + away_y * self._tangents[:, 1]
+        foot = np.minimum(np.maximum(foot, self._lower), self._upper)
+        distance = np.hypot(away_x - foot * self._tangents[:, 0], away_y - foot * self._tangents[:, 1])
+        near = np.flatnonzero(distance <= (distance.min() + 2.0 * radius) * (1.0 + 1e-9) + 1e-6)
+        return int(near[0]), int(near[-1]) + 1
 
     def _out_of(self, poses: FloatArray) -> FloatArray:
         segment = self._segment(poses[:, 0])
-        tangent = self._tangents[segment]
+        start, tangent = self.vertices[segment], self._tangents[segment]
         along = poses[:, 0] - self._distances[segment]
-        north = self.vertices[segment, 0] + along * tangent[:, 0] - poses[:, 1] * tangent[:, 1]
-        east = self.vertices[segment, 1] + along * tangent[:, 1] + poses[:, 1] * tangent[:, 0]
-        return np.column_stack([north, east, poses[:, 2] + self._courses[segment]])
+        found = np.empty_like(poses)
+        found[:, 0] = start[:, 0] + along * tangent[:, 0] - poses[:, 1] * tangent[:, 1]
+        found[:, 1] = start[:, 1] + along * tangent[:, 1] + poses[:, 1] * tangent[:, 0]
+        found[:, 2] = poses[:, 2] + self._courses[segment]
+        return found
+
+
+@lru_cache(maxsize=4096)
+def _on_bent_line(frame: PathFrame, pose: NedPose) -> PathPose:
+    """Read a pose; whoever looks at a ship next asks for the same ones again."""
+    x, y, course = frame._into(np.array([[pose.x, pose.y, pose.course]]))[0].tolist()  # noqa: SLF001 - its own
+    return PathPose(x, y, wrap(course))

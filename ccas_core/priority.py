@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import networkx as nx
 
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     Digraph: TypeAlias = "nx.DiGraph[ShipId]"
+
+
+LIGHTEST_FIRST: Final = "lightest first"  # the criterion of Sec. 3.2, by which a ring of ships is opened
 
 
 class EdgeKind(StrEnum):
@@ -134,6 +137,11 @@ class PriorityGraph:
         Displacement of every ship [kg]; a ship without edges stands here all the same.
     settlements
         One a pair that met.  No pair may come twice, and no unknown ship.
+    ranks
+        Place of every ship among those that wait for one another in a ring, the least first; by displacement,
+        unless a ruleset has criteria of its own.  Ships that are alike are told apart by their ids.
+    criterion
+        What the ranks go by, for the log.
 
     Examples
     --------
@@ -144,9 +152,12 @@ class PriorityGraph:
 
     masses: Mapping[ShipId, float]
     settlements: tuple[Settlement, ...] = ()
+    ranks: Mapping[ShipId, tuple[float, ...]] | None = None
+    criterion: str = LIGHTEST_FIRST
     digraph: Digraph = field(init=False, repr=False)
     order: tuple[tuple[ShipId, ...], ...] = field(init=False)
     openings: tuple[Opening, ...] = field(init=False)
+    _by_pair: Mapping[tuple[ShipId, ShipId], Settlement] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         pairs = [settlement.pair for settlement in self.settlements]
@@ -161,9 +172,11 @@ class PriorityGraph:
             if settlement.edge is not None:
                 edge = settlement.edge
                 graph.add_edge(edge.first, edge.then, kind=edge.kind)
-        order, openings = open_cycles(graph, self.masses)
+        ranks = self.ranks or {ship: (mass,) for ship, mass in self.masses.items()}
+        order, openings = open_cycles(graph, ranks, self.criterion)
         set_ = object.__setattr__
         set_(self, "masses", MappingProxyType(dict(self.masses)))
+        set_(self, "_by_pair", MappingProxyType(dict(zip(pairs, self.settlements, strict=True))))
         set_(self, "digraph", nx.freeze(graph))
         set_(self, "order", order)
         set_(self, "openings", openings)
@@ -183,10 +196,8 @@ class PriorityGraph:
 
     def bearing(self, own: ShipId, other: ShipId) -> Bearing:
         """What layer 2 of `own` may know of its encounter with `other`."""
-        for settlement in self.settlements:
-            if settlement.pair == (min(own, other), max(own, other)):
-                return bearing(settlement, own)
-        return NO_BEARING
+        settlement = self._by_pair.get((min(own, other), max(own, other)))
+        return NO_BEARING if settlement is None else bearing(settlement, own)
 
 
 def bearing(settlement: Settlement, own: ShipId) -> Bearing:
@@ -203,12 +214,12 @@ def bearing(settlement: Settlement, own: ShipId) -> Bearing:
 
 
 def open_cycles(
-    graph: Digraph, masses: Mapping[ShipId, float]
+    graph: Digraph, ranks: Mapping[ShipId, tuple[float, ...]], criterion: str = LIGHTEST_FIRST
 ) -> tuple[tuple[tuple[ShipId, ...], ...], tuple[Opening, ...]]:
     """Order the ships, and open the cycles that stand in the way (Sec. 3.2).
 
     Order edges on a cycle go first.  Then, in each source component of what is left, a ship alone
-    decides, and among several the lightest does (then the smallest id), until none is left.
+    decides, and among several the first by rank does (then the smallest id), until none is left.
     """
     left: Digraph = nx.DiGraph(graph)
     openings = []
@@ -219,10 +230,10 @@ def open_cycles(
     while left:
         generation = []
         for component in source_components(left):
-            first = min(component, key=lambda ship: (masses[ship], ship))
+            first = min(component, key=lambda ship: (ranks[ship], ship))
             generation.append(first)
             openings.extend(
-                Opening(Edge(other, first, left.edges[other, first]["kind"]), "lightest first")
+                Opening(Edge(other, first, left.edges[other, first]["kind"]), criterion)
                 for other in sorted(left.predecessors(first))
             )
         left.remove_nodes_from(generation)

@@ -46,6 +46,7 @@ class Citation:
     article: str
     version: str = ""
     confidence: Confidence = Confidence.UNVERIFIED
+    text: str = ""  # what it says, in our words
 
     def __str__(self) -> str:
         return f"{self.regulation} {self.article}".strip()
@@ -55,7 +56,10 @@ class Citation:
 class Verdict:
     """Verdict of `own`'s view on its encounter with `other`.
 
-    `initiator` is the ship that wants the manoeuvre of a `cooperate` or `prohibited` verdict.
+    `initiator` is the ship that wants the manoeuvre of a `cooperate` or `prohibited` verdict; the other one
+    is to adapt.  `facilitates` is a privileged ship that has a duty of its own, `must_follow` the one that
+    has to take the side chosen by the other.  `diagnosis` names what is wrong where a regulation contradicts
+    itself or is silent.
     `reason` says in words why the rule applied, or why none did.
     """
 
@@ -71,7 +75,14 @@ class Verdict:
     passing_side: PassingSide | None = None
     passing_required: bool = False
     side_chosen_by: ShipId | None = None
+    must_follow: ShipId | None = None
+    facilitates: ShipId | None = None
     initiator: ShipId | None = None
+    overtaker: ShipId | None = None
+    has_other_on_starboard: ShipId | None = None
+    signal: str = ""
+    manoeuvre: str = ""
+    diagnosis: str = ""
     reason: str = ""
     facts: Mapping[str, FactValue] = field(default_factory=dict)
 

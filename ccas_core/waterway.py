@@ -11,13 +11,12 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .frames import FloatArray, NedPose, PathFrame, PathPose, frozen_array
+from .frames import FloatArray, NedPose, PathFrame, PathPose, PathTrajectory, frozen_array
 from .ships import Facts
 
 if TYPE_CHECKING:
@@ -104,13 +103,19 @@ class Waters:
     waterways: tuple[Waterway, ...]
     regions: tuple[Region, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    _by_id: dict[str, Waterway] = field(init=False, repr=False)
+    _junctions: dict[tuple[str, str], NedPose | None] = field(init=False, repr=False)  # found so far
+    _banks: list[BaseGeometry] = field(init=False, repr=False)  # one, once it is drawn
+
+    def __post_init__(self) -> None:
+        by_id = {waterway.id: waterway for waterway in reversed(self.waterways)}  # the first of an id counts
+        object.__setattr__(self, "_by_id", by_id)
+        object.__setattr__(self, "_junctions", {})
+        object.__setattr__(self, "_banks", [])
 
     def waterway(self, id_: str) -> Waterway:
         """Waterway by its id; `KeyError` where there is none."""
-        for waterway in self.waterways:
-            if waterway.id == id_:
-                return waterway
-        raise KeyError(id_)
+        return self._by_id[id_]
 
     def ruleset_at(self, pose: NedPose) -> str:
         """Id of the ruleset in force at a position: that of the first region that holds it."""
@@ -121,11 +126,20 @@ class Waters:
 
     def junction(self, one: str, other: str) -> NedPose | None:
         """Centre of the intersection of two waterways, known to all ships; None if they do not meet."""
-        return _junction(self, min(one, other), max(one, other))
+        pair = min(one, other), max(one, other)
+        if pair not in self._junctions:
+            point = _meeting_point(*(self.waterway(id_).centreline for id_ in pair))
+            self._junctions[pair] = NedPose(float(point.x), float(point.y), 0.0) if point else None
+        return self._junctions[pair]
 
     def banks(self) -> BaseGeometry:
         """Navigable water as one shape: the union of all waterways, prolonged past their ends."""
-        from shapely import LineString, union_all
+        if not self._banks:
+            self._banks.append(self._drawn_banks())
+        return self._banks[0]
+
+    def _drawn_banks(self) -> BaseGeometry:
+        from shapely import LineString, prepare, union_all
 
         reaches = []
         for waterway in self.waterways:
@@ -136,13 +150,9 @@ class Waters:
             reaches.append(
                 LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre")
             )
-        return union_all(reaches)
-
-
-@lru_cache(maxsize=1024)
-def _junction(waters: Waters, one: str, other: str) -> NedPose | None:
-    point = _meeting_point(waters.waterway(one).centreline, waters.waterway(other).centreline)
-    return NedPose(float(point.x), float(point.y), 0.0) if point else None
+        banks = union_all(reaches)
+        prepare(banks)  # it is asked again and again
+        return banks
 
 
 def _meeting_point(one: FloatArray, other: FloatArray) -> Point | None:
@@ -179,23 +189,39 @@ class GuidingLine:
 
     def offset_limits(self, x: float, beam: float) -> tuple[float, float]:
         """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max."""
-        low, high = self.room(x, beam)
-        return max(-OFFSET_LIMIT, low), min(OFFSET_LIMIT, high)
+        low, high = self.offset_limits_at(np.array([x]), beam)[0].tolist()
+        return low, high
 
-    def room(self, x: float, beam: float) -> tuple[float, float]:
-        """Least and greatest cross-track offset [m] at which a hull keeps its margin to the banks.
+    def offset_limits_at(self, x: FloatArray, beam: float) -> FloatArray:
+        """As `offset_limits`, at each of several distances along the line, (n, 2) [m]."""
+        return np.minimum(np.maximum(self.room_at(x, beam), -OFFSET_LIMIT), OFFSET_LIMIT)
+
+    def room_at(self, x: FloatArray, beam: float) -> FloatArray:
+        """Least and greatest offset at which a hull keeps its margin to the banks, (n, 2) [m].
 
         Where a line runs so near to a bank that not even zero offset has the margin, zero
         remains allowed: the line itself was chosen by the user.
         """
-        index = self._index(x)
-        room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
-        offset = self.legs[index].offset if self.frame.is_straight else self._beside_centreline(index, x)
-        return min(0.0, -room - offset), max(0.0, room - offset)
+        limits = np.empty((len(x), 2))
+        leg = np.maximum(np.searchsorted(self.leg_starts, x, side="right") - 1, 0)
+        for index in sorted(set(leg.tolist())):
+            at = leg == index
+            room = self.widths[index] / 2.0 - beam / 2.0 - BANK_MARGIN
+            offset = (
+                np.full(np.sum(at), self.legs[index].offset)
+                if self.frame.is_straight
+                else self._beside_centreline(index, x[at])
+            )
+            limits[at, 0] = np.minimum(0.0, -room - offset)
+            limits[at, 1] = np.maximum(0.0, room - offset)
+        return limits
 
-    def _beside_centreline(self, index: int, x: float) -> float:
+    def _beside_centreline(self, index: int, x: FloatArray) -> FloatArray:
         """Offset of the line from the centreline [m]; on a rounded corner it is not that of the leg."""
-        return self.centrelines[index].to_path(self.frame.to_ned(PathPose(x, 0.0, 0.0))).y
+        on_line = np.zeros((len(x), 3))
+        on_line[:, 0] = x
+        there = self.frame.trajectory_to_ned(PathTrajectory(on_line))
+        return self.centrelines[index].trajectory_to_path(there).poses[:, 1]
 
     def _index(self, x: float) -> int:
         return max(0, bisect_right(self.leg_starts, x) - 1)

@@ -25,6 +25,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # only its parser 
 _TAB = re.compile(r"^ *\t", re.MULTILINE)
 _PRINTABLE = "\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff"
 _UNPRINTABLE = re.compile(f"[^{_PRINTABLE}]")
+_TOO_MUCH: Final = "is this the file that you meant?"
 _SYNTAX_HINTS: Final = {
     "mapping values": "a text with ': ' in it needs quotes; or is the indentation wrong?",
     "',' or": "close the bracket, or put a comma between its items",
@@ -206,7 +207,7 @@ class _Composer:
         for each in below:
             self._count_again(at, each, depth + 1)
 
-    def _count_one(self, at: Node, depth: int, hint: str = "is this the file that you meant?") -> None:
+    def _count_one(self, at: Node, depth: int, hint: str = _TOO_MUCH) -> None:
         self._count += 1
         if depth > MAX_DEPTH:
             self._findings.stop(at, f"nested more than {MAX_DEPTH} deep", hint=hint)
@@ -223,6 +224,8 @@ class _Composer:
         if opened and mark and opened.line != mark.line:
             hint = f"{hint} (begins at line {opened.line + 1})"
         at = Node(mark.line + 1, mark.column + 1) if mark else Node(0, 0)
+        if "nesting depth" in problem:  # the parser has a bound of its own, and looks ahead
+            self._findings.stop(at, f"nested more than {MAX_DEPTH} deep", hint=_TOO_MUCH)
         self._findings.stop(at, f"not YAML: {problem}", hint=hint)
 
 

@@ -1,28 +1,57 @@
-"""The sample plugin, built and installed as somebody outside would, and asked by way of its hook."""
+"""The sample plugin, built and installed as somebody outside would, and exercised by the program."""
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from ccas_core import plugins
-from ccas_core.frames import NedPose
-from ccas_core.priority import EdgeKind
-from ccas_core.ships import Hull, Ship, ShipId
-from ccas_core.tapd.ruleset import AbstractRuleset, Situation
-from ccas_core.units import DEGREE
-from ccas_core.verdict import Kind, Verdict
-from ccas_core.waterway import Towards, Waters, Waterway
-from ccas_core.world import ShipReport, World
+from ccas_core.events import OrderDecided
+from ccas_core.ships import ShipId
+from ccas_core.sim.scenario_dump import dump_scenario
+from ccas_core.sim.scenario_file import load_scenario
+from ccas_core.tapd.case_run import run_case
+from ccas_core.tapd.written import WrittenRuleset
 
-SAMPLE = Path(__file__).parents[1] / "plugins" / "example_harbour"
-ALICE, BOB = ShipId("alice"), ShipId("bob")
+ROOT = Path(__file__).parents[1]
+SAMPLE = ROOT / "plugins" / "example_harbour"
+PROGRAM = "from ccas_cli.main import main; main()"
+
+SCENARIO = """\
+schema: ccas/scenario@1
+name: a tug crosses
+time: {step: 20 s}
+waters:
+  ruleset: bpr
+  regions: [example_harbour]
+  waterways:
+    - {id: basin, centreline: [[-390, 0], [250, 0]], width: 160 m, facts: {type: harbour}}
+    - {id: dock, centreline: [[0, -390], [0, 250]], width: 150 m, facts: {type: harbour}}
+ships:
+  - id: alone
+    length: 40 m
+    beam: 6 m
+    weight: 400 t
+    route: [{waterway: basin, towards: end}]
+    start: [-300, 0]
+    speed: 3 m/s
+    facts: {draught: 3 m, follows_starboard_side: false}
+  - id: towed
+    length: 40 m
+    beam: 6 m
+    weight: 500 t
+    route: [{waterway: dock, towards: start}]
+    start: [0, 240]
+    speed: 3 m/s
+    facts: {draught: 8 m, tug_assisted: true, follows_starboard_side: false}
+control: {horizon: 10, iterations: 1}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -45,78 +74,113 @@ def found(installed: Path) -> Iterator[plugins.Plugins]:
 
 
 @pytest.fixture
-def harbour(found: plugins.Plugins) -> AbstractRuleset:
-    return found.ruleset("harbour")
+def scenario(tmp_path: Path) -> Path:
+    path = tmp_path / "tug.yaml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    return path
 
 
 def run(*command: str, path: Path | None = None) -> str:
-    environment = {**os.environ, "PYTHONPATH": str(path)} if path else None
+    """Run a command; with `path` before all else that Python finds."""
+    paths = [str(path), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))} if path else None
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 
 
-def report(ship: ShipId, north: float, course: float, waterway: str = "entrance") -> ShipReport:
-    """Report of a ship on the centreline of a waterway that runs north, into the harbour."""
-    return ShipReport(
-        ship=Ship(id=ship, hull=Hull(length=80.0, beam=9.0), mass=1e6),
-        pose=NedPose(north, 0.0, course * DEGREE),
-        speed=3.0,
-        waterway=waterway,
-        towards=Towards.END if course == 0.0 else Towards.START,
-        ruleset="harbour",
-    )
+def ccas(installed: Path, *arguments: str | Path) -> str:
+    return run(sys.executable, "-c", PROGRAM, *map(str, arguments), path=installed)
 
 
-def situation(*reports: ShipReport) -> Situation:
-    line = np.array([[-2000.0, 0.0], [2000.0, 0.0]])
-    waterways = tuple(Waterway(id=name, centreline=line, width=100.0) for name in ("entrance", "river"))
-    waters = Waters(ruleset="harbour", waterways=waterways)
-    return Situation(world=World(time=0.0, waters=waters, reports={each.id: each for each in reports}))
-
-
-def verdicts(ruleset: AbstractRuleset, *reports: ShipReport) -> tuple[Verdict, Verdict]:
-    """Verdicts of alice on bob and of bob on alice."""
-    one = ruleset.view(situation(*reports), ALICE, BOB)
-    other = ruleset.view(situation(*reports), BOB, ALICE)
-    assert one is not None
-    assert other is not None
-    return one, other
-
-
-def test_installed_sample_offers_its_ruleset(found: plugins.Plugins) -> None:
-    assert found.loaded["harbour"] == "ccas_example_harbour"
-    assert found.owners["harbour"] == "harbour"
+def test_installed_sample_offers_all_that_it_says(found: plugins.Plugins) -> None:
     assert found.failures == ()
+    assert found.loaded["harbour"] == "ccas_example_harbour"
+    assert found.packages["harbour"] == "ccas-example-harbour 1.0.0"
+    assert found.owners["harbour"] == "harbour"
+    assert found.facts == {"tug_assisted": "harbour"}
+    assert {"deep_water"} == found.pair_rules.keys()
+    assert {"example_harbour"} == found.regions.keys()
+    assert found.infos["harbour"].name == "example harbour"
+    assert "ccas_order_decided" in found.hooks["harbour"]
+
+
+def test_tests_of_the_by_law_pass(found: plugins.Plugins) -> None:
+    ruleset = found.ruleset("harbour")
+
+    assert isinstance(ruleset, WrittenRuleset)
+    assert ruleset.text.lineage == ("bpr", "common")
+    for case in ruleset.text.tests:
+        assert run_case(ruleset, case, case.expected["harbour"]).differences == (), case.id
+    assert list(found.troubles.fresh()) == []
+
+
+def test_rulesets_that_we_ship_are_untouched_by_the_fact_that_it_adds(found: plugins.Plugins) -> None:
+    without = plugins.load(only=[])
+    case = without.ruleset("bpr").text.tests[0]  # type: ignore[attr-defined]
+
+    for each in (found, without):
+        ruleset = each.ruleset("bpr")
+        assert isinstance(ruleset, WrittenRuleset)
+        assert run_case(ruleset, case, case.expected["bpr"]).passed
+
+
+def test_observer_counts_and_changes_nothing(found: plugins.Plugins) -> None:
+    event = OrderDecided(time=0.0, generations=((ShipId("a"),), (ShipId("b"),)))
+
+    assert list(found.observers().tell(event)) == []
+    assert sys.modules["ccas_example_harbour"].DECIDED[2] >= 1
+
+
+def test_scenario_with_its_fact_and_its_region_is_read_and_written(
+    found: plugins.Plugins, scenario: Path
+) -> None:
+    read = load_scenario(scenario, found.rulesets, regions=found.regions, vocabulary=found.vocabulary)
+    again = dump_scenario(read, found.vocabulary)
+
+    assert read.waters.regions[0].ruleset == "harbour"
+    assert read.ships[1].ship.facts["tug_assisted"] is True
+    assert "tug_assisted: true" in again
+    assert "draught: 8 m" in again
 
 
 def test_installed_sample_is_listed_by_the_program(installed: Path) -> None:
-    program = "import sys; from ccas_cli.main import main; sys.exit(main())"
+    rows = {row["id"]: row for row in json.loads(ccas(installed, "rulesets", "--json"))}
+    (row,) = (
+        each
+        for each in json.loads(ccas(installed, "plugins", "--json"))["loaded"]
+        if each["plugin"] == "harbour"
+    )
 
-    assert "harbour" in run(sys.executable, "-c", program, "rulesets", path=installed)
-
-
-def test_departing_ship_gives_way_and_arriving_ship_stands_on(harbour: AbstractRuleset) -> None:
-    arriving, departing = verdicts(harbour, report(ALICE, -600.0, 0.0), report(BOB, 600.0, 180.0))
-
-    assert (arriving.kind, departing.kind) == (Kind.STAND_ON, Kind.GIVE_WAY)
-    assert departing.article == "Harbour by-law art. 1"
-
-
-def test_departing_ship_decides_first(harbour: AbstractRuleset) -> None:
-    graph = harbour.emit(situation(report(ALICE, -600.0, 0.0), report(BOB, 600.0, 180.0)))
-
-    assert graph.generations() == ((BOB,), (ALICE,))
-    assert [s.edge.kind for s in graph.settlements if s.edge is not None] == [EdgeKind.DUTY]
+    assert (rows["harbour"]["plugin"], rows["harbour"]["base"]) == ("harbour", "bpr")
+    assert (row["package"], row["rulesets"], row["facts"]) == (
+        "ccas-example-harbour 1.0.0",
+        ["harbour"],
+        ["tug_assisted"],
+    )
 
 
-def test_ships_that_sail_the_same_way_do_not_meet(harbour: AbstractRuleset) -> None:
-    one, other = verdicts(harbour, report(ALICE, -600.0, 0.0), report(BOB, 600.0, 0.0))
+def test_tests_of_the_by_law_are_run_by_the_program(installed: Path) -> None:
+    found = json.loads(ccas(installed, "test", "harbour", "--json"))
 
-    assert one.kind is other.kind is Kind.NONE
+    assert (found["passed"], found["failed"]) == (7, 0)
 
 
-def test_ships_outside_the_entrance_agree_by_radio(harbour: AbstractRuleset) -> None:
-    one, other = verdicts(harbour, report(ALICE, -600.0, 0.0, "river"), report(BOB, 600.0, 180.0, "river"))
+def test_its_rules_are_explained_by_the_program(installed: Path, scenario: Path) -> None:
+    (pair,) = json.loads(ccas(installed, "explain", scenario, "--json"))
 
-    assert one.kind is other.kind is Kind.NEGOTIATE
+    assert [view["kind"] for view in pair["verdicts"].values()] == ["give_way", "stand_on"]
+    assert {view["rule"] for view in pair["verdicts"].values()} == {"harbour.tug"}
+    assert {view["article"] for view in pair["verdicts"].values()} == {"Harbour by-law 1"}
+
+
+def test_ships_sail_by_it(installed: Path, scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    summary = json.loads(
+        ccas(installed, "simulate", scenario, "--out", out, "--json", "--quiet", "--no-pictures")
+    )
+
+    (met,) = summary["encounters"]
+    assert (met["ruleset"], met["give_way"]) == ("harbour", ["alone"])
+    assert summary["collisions"] == 0
+    assert "tug_assisted: true" in (out / "scenario.yaml").read_text(encoding="utf-8")

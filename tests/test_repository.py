@@ -20,6 +20,8 @@ DOCUMENTS = (
     "README.md",
     "CONTRIBUTING.md",
     "plugins/example_harbour/README.md",
+    "docs/plugins.md",
+    "docs/write-a-ruleset.md",
     *(f"{folder}/README.md" for folder in FOLDERS),
 )
 

@@ -10,6 +10,7 @@ from ..frames import FloatArray, NedTrajectory
 from ..priority import Bearing, Opening, Settlement
 from ..ships import ShipId
 from ..tapd.deadlock import Waiting
+from ..tapd.ruleset import Situation
 from ..verdict import Verdict
 from ..world import ShipReport
 from .messages import Gossip, Message, Report, Verdicts
@@ -33,6 +34,7 @@ class Period:
     own: ShipReport
     phase: Phase = Phase.LISTENING
     reports: dict[ShipId, ShipReport] = field(default_factory=dict)
+    situation: Situation | None = None  # as it was judged
     judged: tuple[Verdict, ...] = ()
     heard: dict[ShipId, tuple[Verdict, ...]] = field(default_factory=dict)
     settlements: tuple[Settlement, ...] = ()

@@ -40,6 +40,7 @@ from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
 
 BROKEN_BEYOND: Final = 3.0  # a ship that is so far from where it promised to be has broken its promise [m]
+FORGOTTEN: Final = 10  # periods of silence after which an encounter is forgotten
 
 
 class ShipAgent:
@@ -77,12 +78,14 @@ class ShipAgent:
         self._settings: Final = settings
         self._predictor: Final = predictor or ConstantVelocity()
         self._encounters: dict[Pair, Encounter] = {}
+        self._kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
         self._last_controls: FloatArray | None = None
         self._last_offset = 0.0
         self._memory = Memory()
         self._distrusted: set[ShipId] = set()  # ships that did not do what they told
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
+        self._last_heard: dict[ShipId, int] = {}  # period of the last report
         self._period: Period | None = None
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
@@ -177,11 +180,13 @@ class ShipAgent:
     def _situation(self, period: Period) -> Situation:
         reports = {**period.reports, self.ship.id: period.own}
         world = World(time=period.began, waters=self._waters, reports=reports)
-        return Situation(world=world, encounters=self._encounters)
+        return Situation(world=world, encounters=self._encounters, kept_starboard=self._kept_starboard)
 
     def _judge(self, period: Period) -> list[Message]:
         ruleset = self._rulesets[period.own.ruleset]
-        period.judged = assign(ruleset, self._situation(period), self.ship.id)
+        period.situation = situation = self._situation(period)
+        period.judged = assign(ruleset, situation, self.ship.id)
+        self._kept_starboard = situation.on_starboard_side(ruleset.vocabulary)
         period.phase = Phase.SETTLING
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
@@ -193,7 +198,7 @@ class ShipAgent:
     def _settle(self, now: float, period: Period) -> list[Message]:
         masses = {ship: report.ship.mass for ship, report in period.reports.items()}
         masses[self.ship.id] = self.ship.mass
-        situation = self._situation(period)
+        situation = period.situation or self._situation(period)
         settlements = []
         for mine in period.judged:
             theirs = self._heard_on_me(period, mine)
@@ -204,6 +209,7 @@ class ShipAgent:
                 self._encounters[pair] = encounter
             if (mine.kind, theirs.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(mine, theirs, masses))
+        self._forget(period)
         period.settlements = tuple(settlements)
         graph = PriorityGraph(masses=masses, settlements=period.settlements)
         period.bearings = {ship: graph.bearing(self.ship.id, ship) for ship in period.reports}
@@ -212,7 +218,9 @@ class ShipAgent:
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
         ]
         period.waits_for = {edge.first for edge in edges}
-        waiting = Waiting(self.ship.mass, {edge.first: edge.kind for edge in edges})
+        ruleset = self._rulesets[period.own.ruleset]
+        kinds = {edge.first: edge.kind for edge in edges}
+        waiting = Waiting(ruleset.rank(self.ship), kinds, ruleset.criterion)
         period.waiting[self.ship.id] = waiting
         period.phase = Phase.WAITING
         period.progressed = now
@@ -227,6 +235,13 @@ class ShipAgent:
             promised, pose = self._promises[ship].poses[0], period.reports[ship].pose
             if math.hypot(promised[0] - pose.x, promised[1] - pose.y) > BROKEN_BEYOND:
                 self._distrusted.add(ship)
+
+    def _forget(self, period: Period) -> None:
+        """Forget encounters with ships that have long been silent or out of reach: memory is bounded."""
+        self._last_heard |= dict.fromkeys(period.reports, period.index)
+        for other in [o for o, last in self._last_heard.items() if period.index - last > FORGOTTEN]:
+            del self._last_heard[other]
+            self._encounters.pop((min(self.ship.id, other), max(self.ship.id, other)), None)
 
     def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
         """The other ship's verdict on this one; one that did not come decides nothing."""
@@ -277,13 +292,14 @@ class ShipAgent:
     def _negotiating(self, period: Period) -> negotiate.Situation:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
-        ahead = initial.x + self._speed * settings.kinematics.time_step * np.arange(settings.horizon)
         hull, roles = self.ship.hull, settings.roles
-        room = np.array([self._line.room(float(x), hull.beam) for x in ahead])
+        steps = np.arange(settings.horizon, dtype=np.float64)
+        ahead = initial.x + self._speed * settings.kinematics.time_step * steps
+        room = self._line.room_at(ahead, hull.beam)
         swing = roles.swing * hull.length / 2.0 if roles else 0.0
         low, high = room.T
         limits = np.column_stack([np.minimum(low + swing, 0.0), np.maximum(high - swing, 0.0)])
-        limits = limits.clip(-OFFSET_LIMIT, OFFSET_LIMIT)
+        limits = np.minimum(np.maximum(limits, -OFFSET_LIMIT), OFFSET_LIMIT)
         period.limits = limits
         last = self._last_controls
         return negotiate.Situation(

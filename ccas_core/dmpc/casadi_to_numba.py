@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import casadi as ca
 
@@ -147,7 +147,10 @@ def _expression(function: ca.Function, n: int) -> str:
 
 
 def compiled_module(
-    functions: Iterable[ca.Function], routines: Iterable[Callable[..., Any]], numbers: Mapping[str, float]
+    functions: Iterable[ca.Function],
+    routines: Iterable[Callable[..., Any]],
+    numbers: Mapping[str, float],
+    tuples: Iterable[type[NamedTuple]] = (),
 ) -> ModuleType:
     """Compile CasADi functions, and Python routines that call them by name.
 
@@ -164,6 +167,8 @@ def compiled_module(
         `np`, and nothing else of the module in which it is written.
     numbers
         Constants that the routines name.
+    tuples
+        Classes of named tuples that the routines make or take; they are those of the module, then.
     """
     import numba  # type: ignore[import-untyped, unused-ignore]  # heavy
 
@@ -171,10 +176,17 @@ def compiled_module(
     parts += [inspect.getsource(routine) for routine in routines]
     decorator = '@numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)\n'
     text = _HEADER + "".join(f"{name} = {number!r}\n" for name, number in numbers.items()) + "\n\n"
-    text += "\n\n".join(decorator + part for part in parts)
+    text += "\n\n".join([*map(inspect.getsource, tuples), *(decorator + part for part in parts)])
     versions = f"{ca.CasadiMeta.version()} {numba.__version__} {sys.version_info[:2]}\n"
     name = "generated_" + hashlib.sha256((versions + text).encode()).hexdigest()[:20]
     return _imported(name, text)
+
+
+def is_compiled(module: ModuleType, name: str) -> bool:
+    """Whether machine code of a routine of a `compiled_module` waits in the cache."""
+    function = getattr(module, name)
+    pattern = f"{module.__name__}.{name}-{function.py_func.__code__.co_firstlineno}.*.nbi"
+    return any(Path(function.stats.cache_path).glob(pattern))
 
 
 _HEADER: Final = '''"""Written by ccas_core.dmpc.casadi_to_numba; may be deleted."""
@@ -182,6 +194,7 @@ _HEADER: Final = '''"""Written by ccas_core.dmpc.casadi_to_numba; may be deleted
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np

@@ -8,7 +8,7 @@ Eq. (8) and (9) couple no neighbouring controls, and the problem has the structu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from ..frames import FloatArray, PathTrajectory
 from . import cost, kinematics
 from .local_problem import LocalPlan, LocalProblem
+from .parameters import Settings
 from .risk import COLUMNS, collision_risk
 
 STATES = 4  # x, y [m], course [rad], last offset [m]
@@ -98,11 +99,18 @@ def stage_model(threats: int) -> StageModel:
 
 def constants(problem: LocalProblem) -> FloatArray:
     """Values of the constants of a problem, in the order of the model."""
-    settings = problem.settings
-    values = {"speed": problem.speed, "beta": settings.beta}
+    values = np.array(_constants(problem.settings))
+    values[0] = problem.speed
+    return values
+
+
+@lru_cache(maxsize=256)
+def _constants(settings: Settings) -> tuple[float, ...]:
+    """Constants of all problems with these settings; the speed is still to be set."""
+    values = {"speed": 0.0, "beta": settings.beta}
     for group in (settings.kinematics, settings.weights):
         values |= {key: getattr(group, key) for key in CONSTANTS if hasattr(group, key)}
-    return np.array([values[key] for key in CONSTANTS])
+    return tuple(values[key] for key in CONSTANTS)
 
 
 def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:
@@ -118,8 +126,9 @@ def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:
 def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
     """Sail controls (N, 2) from the initial pose, held within their bounds."""
     limits = problem.offset_limits
-    offset = np.clip(controls[:, 0], limits[:, 0], limits[:, 1])
-    factor = np.clip(controls[:, 1], problem.speed_limits[:, 0], problem.speed_limits[:, 1])
+    speeds = problem.speed_limits
+    offset = np.minimum(np.maximum(controls[:, 0], limits[:, 0]), limits[:, 1])
+    factor = np.minimum(np.maximum(controls[:, 1], speeds[:, 0]), speeds[:, 1])
     start = problem.initial
     motion = {
         "speed": problem.speed,
@@ -129,8 +138,8 @@ def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
         "steering_gain": problem.settings.kinematics.steering_gain,
     }
     poses = [(start.x, start.y, start.course)]
-    for k in range(len(offset)):
-        poses.append(kinematics.step(poses[-1], float(offset[k]), float(factor[k]), **motion))
+    for aside, slowed in zip(offset.tolist(), factor.tolist(), strict=True):
+        poses.append(kinematics.step(poses[-1], aside, slowed, **motion))
     return LocalPlan(controls=np.column_stack([offset, factor]), trajectory=PathTrajectory(np.array(poses)))
 
 

@@ -19,7 +19,7 @@ from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
-from .risk import threat
+from .risk import COLUMNS, threats
 from .stance import Memory, Seen, Stance, safest, take_stance
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
@@ -58,6 +58,7 @@ class Situation:
     room: FloatArray  # offsets between which the hull keeps its margin to the banks, (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
     memory: Memory = field(default_factory=Memory)  # of the roles, from the period before
+    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # rows of `risk.threats`, so far
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,8 +103,8 @@ def begin(situation: Situation) -> Negotiation:
     """
     controls = situation.last_controls
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
-        controls = _guess(Start.NOMINAL, situation)
-    plan = rollout(_problem(situation, ()), controls)
+        controls = guess(Start.NOMINAL, situation.offset_limits)
+    plan = rollout(_problem(situation, _threats(situation, ())), controls)
     return Negotiation(
         situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
     )
@@ -115,7 +116,7 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
     roles = situation.settings.roles
     if roles is None or negotiation.iteration > 0:
         return negotiation
-    problem = _problem(situation, ())
+    problem = _problem(situation, _threats(situation, ()))
     stance = take_stance(
         situation.hull,
         problem,
@@ -126,7 +127,11 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
         roles,
     )
     settled = replace(
-        situation, settings=stance.settings, offset_limits=stance.offset_limits, memory=stance.memory
+        situation,
+        settings=stance.settings,
+        offset_limits=stance.offset_limits,
+        memory=stance.memory,
+        read={},  # risk has changed with the weights
     )
     plan = rollout(replace(problem, speed_limits=stance.speed_limits), stance.anchor)
     return replace(
@@ -147,7 +152,7 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     roles = situation.settings.roles
     if roles is None or stance is None or not stance.memory.acting:
         return negotiation
-    problem = replace(_problem(situation, ()), offset_limits=limits)
+    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=limits)
     seen = _seen(situation, neighbours)
     plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, stance, roles.clear_by)
     if plan is None:
@@ -159,8 +164,8 @@ def sailing_on(negotiation: Negotiation) -> Negotiation:
     """Go on along the guiding line whatever the others do: a ship that breaks its duty."""
     situation = negotiation.situation
     free = np.tile([-math.inf, math.inf], (situation.settings.horizon, 1))
-    problem = replace(_problem(situation, ()), offset_limits=free)
-    plan = rollout(problem, _guess(Start.NOMINAL, situation))
+    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=free)
+    plan = rollout(problem, guess(Start.NOMINAL, free))
     return replace(negotiation, plan=plan, iterate=nadmm.start(plan.trajectory.poses))
 
 
@@ -183,10 +188,9 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
     stance = negotiation.stance
-    problem = _problem(situation, _threats(situation, neighbours, stance.gains if stance else None))
-    if stance:
-        problem = replace(problem, speed_limits=stance.speed_limits)
-    return replace(problem, multiplier=half, broadcast=PathTrajectory(negotiation.iterate.broadcast))
+    dangers = _threats(situation, neighbours, stance.gains if stance else None)
+    problem = _problem(situation, dangers, half, negotiation.iterate.broadcast)
+    return replace(problem, speed_limits=stance.speed_limits) if stance else problem
 
 
 def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
@@ -199,7 +203,7 @@ def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
     starts = situation.settings.starts
     if situation.last_controls is None:
         starts = tuple(start for start in starts if start is not Start.LAST) or (Start.NOMINAL,)
-    return tuple(_guess(start, situation) for start in starts)
+    return tuple(guess(start, situation.offset_limits, situation.last_controls) for start in starts)
 
 
 def advance(negotiation: Negotiation, problem: LocalProblem, solution: Solution) -> Negotiation:
@@ -228,11 +232,11 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     A plan is clear if it stays outside the risk ellipse (one e-th of the height) of every neighbour.
     """
     settings = situation.settings
-    threats = _threats(situation, neighbours)
-    problem = _problem(situation, threats)
+    rows = _threats(situation, neighbours)
+    problem = _problem(situation, rows)
     if situation.last_controls is not None:
         plan = rollout(problem, situation.last_controls)
-        if _clear(plan, threats):
+        if _clear(plan, rows):
             return plan, "the last plan goes on"
     slow = np.column_stack([np.full(settings.horizon, situation.last_offset), np.zeros(settings.horizon)])
     return rollout(problem, slow), "the ship slows down"
@@ -240,70 +244,88 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
 
 def _threats(
     situation: Situation, neighbours: Sequence[Neighbour], gains: Sequence[float] | None = None
-) -> list[FloatArray]:
-    """Neighbours as the local problem sees them, in the own frame; `gains` are factors of K_ca."""
+) -> FloatArray:
+    """Neighbours as the local problem sees them, in the own frame, (n, N, 6); `gains` are factors of K_ca.
+
+    A neighbour whose factor is zero is left out.
+    """
     settings = situation.settings
-    step = situation.speed * settings.kinematics.time_step
-    return [
-        threat(
-            situation.hull,
-            each.hull,
-            situation.frame.trajectory_to_path(each.trajectory),
-            settings.risk,
-            replace(settings.weights, K_ca=gain * settings.weights.K_ca),
-            step,
-        )
+    weighed = [
+        (each, gain)
         for each, gain in zip(neighbours, gains or (1.0,) * len(neighbours), strict=True)
         if gain > 0.0
     ]
+    if not weighed:
+        return np.empty((0, settings.horizon, COLUMNS))
+    new = [each for each, _ in weighed if each.trajectory not in situation.read]
+    if new:
+        poses = _in_path(situation, [each.trajectory for each in new])
+        hulls = [each.hull for each in new]
+        step = situation.speed * settings.kinematics.time_step
+        rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights, step)
+        situation.read.update(zip((each.trajectory for each in new), rows, strict=True))
+    found = np.array([situation.read[each.trajectory] for each, _ in weighed])
+    found[:, :, 5] *= np.array([gain for _, gain in weighed])[:, None]
+    return found
+
+
+def _in_path(situation: Situation, told: Sequence[NedTrajectory]) -> FloatArray:
+    """Trajectories of one length in the own frame, (n, N + 1, 3), read at once."""
+    together = NedTrajectory(np.vstack([each.poses for each in told]))
+    poses = situation.frame.trajectory_to_path(together).poses
+    return poses.reshape(len(told), -1, 3)
 
 
 def _seen(situation: Situation, neighbours: Sequence[Neighbour]) -> list[Seen]:
     """Neighbours as the stance sees them, in the own frame."""
-    frame = situation.frame
+    if not neighbours:
+        return []
+    told = [each.trajectory for each in neighbours]
+    poses = _in_path(situation, [*told, *(each.unmoved or each.trajectory for each in neighbours)])
+    paths = [PathTrajectory(each) for each in poses]
     return [
-        Seen(
-            each.id,
-            each.hull,
-            frame.trajectory_to_path(each.trajectory),
-            each.bearing,
-            frame.trajectory_to_path(each.unmoved) if each.unmoved else None,
-        )
-        for each in neighbours
+        Seen(each.id, each.hull, path, each.bearing, unmoved if each.unmoved else None)
+        for each, path, unmoved in zip(neighbours, paths, paths[len(told) :], strict=False)
     ]
 
 
-def _clear(plan: LocalPlan, threats: Sequence[FloatArray]) -> bool:
+def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     poses = plan.trajectory.poses[1:]
-    for rows in threats:
+    for rows in dangers:
         dx, dy = poses[:, 0] - rows[:, 0], poses[:, 1] - rows[:, 1]
-        if np.any(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 < 1.0):
-            return False
+        if not np.all(rows[:, 2] * dx**2 + 2.0 * rows[:, 3] * dx * dy + rows[:, 4] * dy**2 >= 1.0):
+            return False  # near, or not a number
     return True
 
 
-def _problem(situation: Situation, threats: Sequence[FloatArray]) -> LocalProblem:
-    horizon = situation.settings.horizon
+def _problem(
+    situation: Situation,
+    dangers: FloatArray,
+    multiplier: FloatArray | None = None,
+    broadcast: FloatArray | None = None,
+) -> LocalProblem:
+    zero = np.zeros((situation.settings.horizon + 1, 3))
     return LocalProblem(
         initial=situation.initial,
         last_offset=situation.last_offset,
         speed=situation.speed,
         settings=situation.settings,
         offset_limits=situation.offset_limits,
-        speed_limits=free_speeds(horizon),
-        threats=np.array(threats).reshape(len(threats), horizon, 6),
-        multiplier=np.zeros((horizon + 1, 3)),
-        broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),
+        speed_limits=free_speeds(situation.settings.horizon),
+        threats=dangers,
+        multiplier=zero if multiplier is None else multiplier,
+        broadcast=PathTrajectory(zero if broadcast is None else broadcast),
     )
 
 
-def _guess(start: Start, situation: Situation) -> FloatArray:
-    if start is Start.LAST and situation.last_controls is not None:
-        return situation.last_controls
-    horizon = situation.settings.horizon
+def guess(start: Start, offset_limits: FloatArray, last_controls: FloatArray | None = None) -> FloatArray:
+    """Controls (N, 2) of a start; without a last plan, `last` is nominal."""
+    if start is Start.LAST and last_controls is not None:
+        return last_controls
+    horizon = len(offset_limits)
     offset, factor = np.zeros(horizon), np.ones(horizon)
     if start is Start.STARBOARD:
-        offset = situation.offset_limits[:, 1] / 2.0
+        offset = offset_limits[:, 1] / 2.0
     elif start is Start.SLOW:
         factor = np.full(horizon, SLOW_FACTOR)
     return np.column_stack([offset, factor])

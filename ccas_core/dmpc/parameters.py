@@ -141,7 +141,7 @@ HEAD_ON: Final = Settings(
     risk=Risk(kappa_across=0.9),
     starts=(Start.LAST, Start.STARBOARD),
 )
-CROSSING: Final = Settings(weights=Weights(K_y=5.0))
+CROSSING: Final = Settings(weights=Weights(K_y=5.0), starts=(Start.LAST, Start.NOMINAL))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
 FAITHFUL: Final = Settings(
     weights=Weights(K_ca=900.0, K_s=1.0, mu_1=5.0, mu_2=20.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class ConstantVelocity(AbstractPredictor):
         return NedTrajectory(np.column_stack([north, east, course]))
 
 
+@lru_cache(maxsize=4096)  # all who heard it ask for the same
 def carried_on(told: NedTrajectory) -> NedTrajectory:
     """Carry an intention on by one period; its last step is repeated."""
     poses = told.poses

@@ -10,9 +10,12 @@ The formulas are those of `model`, translated by `casadi_to_numba`; the loops st
 from __future__ import annotations
 
 import inspect
+import math
+import os
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Final
 
@@ -20,16 +23,18 @@ import casadi as ca
 import numpy as np
 
 from ..errors import Diagnostic, InputError
-from ..frames import FloatArray, PathTrajectory
+from ..frames import FloatArray, PathPose, PathTrajectory
 from . import riccati_kernel as kernel
-from .casadi_to_numba import compiled_module
-from .local_problem import LocalPlan, LocalProblem, Solution
+from .casadi_to_numba import compiled_module, is_compiled
+from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
+from .parameters import Settings
 from .risk import COLUMNS
-from .solvers import AbstractLocalSolver
+from .solvers import AbstractLocalSolver, Task
 
 WIDENING: Final = 10.0  # of B_1, on the way to further answers
+CHUNK: Final = 8  # problems that are worth a thread
 _ENDS: Final = {
     kernel.CONVERGED: Outcome.CONVERGED,
     kernel.LIMIT: Outcome.ITERATION_LIMIT,
@@ -98,7 +103,7 @@ def compiled() -> ModuleType:
     routines = [each for each in vars(kernel).values() if inspect.isfunction(each)]
     numbers = {name: each for name, each in vars(kernel).items() if type(each) in (int, float)}
     try:
-        return compiled_module(stage_functions(), routines, numbers)
+        return compiled_module(stage_functions(), routines, numbers, [kernel.Task, kernel.Batch])
     except ImportError as error:
         raise InputError(
             Diagnostic(
@@ -114,9 +119,22 @@ def _widening() -> FloatArray:
     return np.array([WIDENING if name in {"gamma_s", "gamma_y"} else 1.0 for name in CONSTANTS])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Riccati(AbstractLocalSolver):
     """Differential dynamic programming with control limits, for any horizon and number of threats.
+
+    Parameters
+    ----------
+    threads
+        How many problems are solved at the same time, where there are many; as many as this process
+        has cores, unless given.  Answers do not depend on it.
 
     Notes
     -----
@@ -124,8 +142,34 @@ class Riccati(AbstractLocalSolver):
     """
 
     name: str = "riccati"
+    threads: int = field(default_factory=cores)
     loops: ModuleType = field(default_factory=compiled, init=False, repr=False)
     widening: FloatArray = field(default_factory=_widening, init=False, repr=False)
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Have the loops compiled, or load what an earlier start has compiled."""
+        if is_compiled(self.loops, "descend_batch"):
+            tell = None
+        if tell is not None:
+            tell("compiling solver riccati for this machine; that is done once, and takes some seconds")
+        began = time.perf_counter()
+        none = PathTrajectory(np.zeros((2, 3)))
+        self.solve(
+            LocalProblem(
+                initial=PathPose(0.0, 0.0, 0.0),
+                last_offset=0.0,
+                speed=1.0,
+                settings=Settings(horizon=1),
+                offset_limits=np.zeros((1, 2)),
+                speed_limits=free_speeds(1),
+                threats=np.empty((0, 1, COLUMNS)),
+                multiplier=none.poses,
+                broadcast=none,
+            ),
+            np.zeros((1, CONTROLS)),
+        )
+        if tell is not None:
+            tell(f"compiled in {time.perf_counter() - began:.0f} s")
 
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
         """Minimise from one guess of the controls, (N, 2)."""
@@ -134,54 +178,139 @@ class Riccati(AbstractLocalSolver):
     def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
         """Minimise from several guesses in one call; the first of equally good answers wins.
 
-        The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So each guess
-        is followed a second time by way of a problem whose B_1 is `WIDENING` times wider; answers
-        found so come after all others, and win if they are better.  A single guess is followed as it is:
+        The problem has many minima, because B_1 of Eq. (9) holds small changes back.  So the first guess
+        is followed a second time, by way of a problem whose B_1 is `WIDENING` times wider; the answer
+        found so comes after all others, and wins if it is better.  A single guess is followed as it is:
         it asks for the minimum next to it, as an iteration of NADMM does that goes on from its own plan.
         """
-        starts = tuple(guesses)
-        return self.choose(self.solve_all(problem, starts, widen=len(starts) > 1))
+        return self.choose(self._begin([(problem, tuple(guesses))], widen=True)()[0])
+
+    def begin(self, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+        """Begin to answer several problems, each as `best` does, on all cores."""
+        answers = self._begin(tasks, widen=True)
+        return lambda: [self.choose(each) for each in answers()]
 
     def solve_all(
         self, problem: LocalProblem, guesses: Iterable[FloatArray], *, widen: bool = False
     ) -> list[Solution]:
-        """Minimise from each guess, and once more from each if `widen`; each took its part of the time."""
-        began = time.perf_counter()
-        starts = np.array(list(guesses), dtype=np.float64)
-        horizon = problem.settings.horizon
-        if starts.shape[1:] != (horizon, CONTROLS):
-            raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {starts.shape[1:]}")
-        answers = len(starts) * (2 if widen else 1)
-        low, high = (
-            np.column_stack([problem.offset_limits[:, side], problem.speed_limits[:, side]])
-            for side in (0, 1)
-        )
-        initial = problem.initial
-        task = kernel.Task(
-            start=np.array([initial.x, initial.y, initial.course, problem.last_offset], dtype=np.float64),
+        """Minimise from each guess, and once more from the first of several if `widen`."""
+        return self._begin([(problem, tuple(guesses))], widen=widen)()[0]
+
+    def _begin(self, tasks: Sequence[Task], *, widen: bool) -> Callable[[], list[list[Solution]]]:
+        """Begin to find answers from all guesses of each problem; those of one horizon make a batch."""
+        horizons: dict[int, list[int]] = {}
+        for n, (problem, guesses) in enumerate(tasks):
+            horizon = problem.settings.horizon
+            for guess in guesses:
+                if np.shape(guess) != (horizon, CONTROLS):
+                    raise ValueError(f"guesses are {(horizon, CONTROLS)} each, got {np.shape(guess)}")
+            horizons.setdefault(horizon, []).append(n)
+        batches = [
+            (members, _Descent(self, self._batch([tasks[n] for n in members], widen=widen)))
+            for members in horizons.values()
+        ]
+
+        def answers() -> list[list[Solution]]:
+            found: dict[int, list[Solution]] = {}
+            for members, descent in batches:
+                found |= zip(members, descent.solutions(), strict=True)
+            return [found[n] for n in range(len(tasks))]
+
+        return answers
+
+    def _batch(self, tasks: Sequence[Task], *, widen: bool) -> kernel.Batch:
+        problems = [problem for problem, _ in tasks]
+        guesses = [len(each) for _, each in tasks]
+        limits = np.array([(problem.offset_limits, problem.speed_limits) for problem in problems])
+        low, high = (np.ascontiguousarray(limits[..., side].transpose(0, 2, 1)) for side in (0, 1))
+        anchors = np.empty((*low.shape[:2], 6))
+        anchors[:, :, :3] = [problem.multiplier[1:] for problem in problems]
+        anchors[:, :, 3:] = [problem.broadcast.poses[1:] for problem in problems]
+        starts = [(p.initial.x, p.initial.y, p.initial.course, p.last_offset) for p in problems]
+        return self.loops.Batch(  # type: ignore[no-any-return]  # the same class, of the compiled module
+            start=np.array(starts, dtype=np.float64),
             low=low,
             high=high,
-            constants=constants(problem),
-            anchors=np.hstack([problem.multiplier[1:], problem.broadcast.poses[1:]]),
-            threats=np.array(problem.threats, order="C"),
+            constants=np.array([constants(problem) for problem in problems]),
+            widening=self.widening,
+            anchors=anchors,
+            threats=np.concatenate([problem.threats for problem in problems]),
+            first_threat=_firsts([len(problem.threats) for problem in problems]),
+            guesses=np.array([guess for _, each in tasks for guess in each], dtype=np.float64),
+            first_guess=_firsts(guesses),
+            first_answer=_firsts([count + (widen and count > 1) for count in guesses]),
         )
-        controls = np.empty((answers, horizon, CONTROLS))
-        states = np.empty((answers, horizon + 1, STATES))
-        ends = np.empty((answers, 3))
-        widened = task._replace(constants=task.constants * self.widening)
-        self.loops.descend_all(task, widened, starts, controls, states, ends)
-        possible = bool(np.all(low <= high))
-        seconds = (time.perf_counter() - began) / answers
-        solutions = []
-        for plan, path, (value, iterations, end) in zip(controls, states, ends, strict=True):
-            outcome = _ENDS[int(end)] if possible else Outcome.INFEASIBLE
-            solutions.append(
-                Solution(
-                    plan=LocalPlan(controls=plan, trajectory=PathTrajectory(path[:, :3])),
-                    objective=float(value),
-                    outcome=outcome,
-                    iterations=int(iterations),
-                    seconds=seconds,
-                )
+
+
+class _Descent:
+    """Descents of a batch under way: a small one is made at once, others on threads, in chunks."""
+
+    def __init__(self, solver: Riccati, batch: kernel.Batch) -> None:
+        problems, horizon = batch.low.shape[:2]
+        answers = int(batch.first_answer[-1])
+        self._batch = batch
+        self._descend = solver.loops.descend_batch
+        self._controls = np.empty((answers, horizon, CONTROLS))
+        self._states = np.empty((answers, horizon + 1, STATES))
+        self._ends = np.empty((answers, 3))
+        self._chunks = _chunks(problems, solver.threads)
+        self._spent: Iterable[float] = (
+            _pool(solver.threads).map(self._run, self._chunks)
+            if len(self._chunks) > 1
+            else [self._run(chunk) for chunk in self._chunks]
+        )
+
+    def _run(self, chunk: tuple[int, int]) -> float:
+        began = time.perf_counter()
+        self._descend(self._batch, *chunk, self._controls, self._states, self._ends)
+        return time.perf_counter() - began
+
+    def solutions(self) -> list[list[Solution]]:
+        """Wait for the answers; each takes its part of the time of its chunk, by iterations."""
+        batch, firsts, ends = self._batch, self._batch.first_answer.tolist(), self._ends
+        seconds = np.empty(len(ends))
+        for (begin, end), spent in zip(self._chunks, self._spent, strict=True):
+            rows = slice(firsts[begin], firsts[end])
+            effort = ends[rows, 1] + 1.0
+            seconds[rows] = spent * effort / np.sum(effort)
+        possible = np.all(batch.low <= batch.high, axis=(1, 2))
+        answers = [
+            Solution(
+                plan=LocalPlan(controls=controls, trajectory=PathTrajectory(states[:, :3])),
+                objective=value,
+                outcome=_ENDS[int(end)],
+                iterations=int(iterations),
+                seconds=time_spent,
             )
-        return solutions
+            for controls, states, (value, iterations, end), time_spent in zip(
+                self._controls, self._states, ends.tolist(), seconds.tolist(), strict=True
+            )
+        ]
+        return [
+            answers[first:last]
+            if sound
+            else [replace(each, outcome=Outcome.INFEASIBLE) for each in answers[first:last]]
+            for first, last, sound in zip(firsts, firsts[1:], possible.tolist(), strict=False)
+        ]
+
+
+def _firsts(counts: Sequence[int]) -> kernel.IntArray:
+    """Row at which each begins, and the end."""
+    return np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
+
+
+def _chunks(problems: int, threads: int) -> list[tuple[int, int]]:
+    """Cut problems into runs, a few a thread, for some take longer; small ones are not worth it."""
+    size = max(CHUNK, math.ceil(problems / (2 * threads))) if threads > 1 else max(1, problems)
+    return [(begin, min(begin + size, problems)) for begin in range(0, problems, size)]
+
+
+_POOLS: Final[dict[tuple[int, int], ThreadPoolExecutor]] = {}
+
+
+def _pool(threads: int) -> ThreadPoolExecutor:
+    """Threads that are kept; a process that was forked off has none, and gets its own."""
+    key = os.getpid(), threads
+    if key not in _POOLS:
+        _POOLS[key] = ThreadPoolExecutor(threads, thread_name_prefix="riccati")
+    return _POOLS[key]

@@ -9,11 +9,14 @@ arrays and `math` only.  Notation: Q and V are the cost to go of a stage with an
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..frames import FloatArray
+
+IntArray: TypeAlias = NDArray[np.int64]
 
 # How a descent ends; the other numbers of `NUMBERS` are tolerances.
 CONVERGED: Final = 0
@@ -30,7 +33,6 @@ ROUGH_GRADIENT: Final = 1e-5  # the same, where rounding lets no step descend an
 DECREASE: Final = 1e-13  # of the objective, relative, for which another step is not worth while
 ROUGH_DECREASE: Final = 1e-3  # the same, of the widened problem
 BETTER: Final = 1e-9  # relative difference above which two objectives differ
-ALIKE: Final = 1e-4  # the same, of the widened problem, which is solved roughly
 FLOOR: Final = 1e-6  # least eigenvalue of Q_uu
 SMALL_SHIFT: Final = 1e-2  # of Q_uu
 GREATEST_SHIFT: Final = 1e12
@@ -48,6 +50,25 @@ class Task(NamedTuple):
     constants: FloatArray
     anchors: FloatArray  # z and p~ of the stages 1 ... N, (N, 6)
     threats: FloatArray  # (n, N, 6)
+
+
+class Batch(NamedTuple):
+    """Local problems of one horizon as arrays, B of them.
+
+    What comes in different numbers lies one after the other: problem b has rows `first[b]` to `first[b + 1]`.
+    """
+
+    start: FloatArray  # (B, 4)
+    low: FloatArray  # (B, N, 2)
+    high: FloatArray  # (B, N, 2)
+    constants: FloatArray  # (B, 14)
+    widening: FloatArray  # factors of the constants in the widened problem, (14,)
+    anchors: FloatArray  # (B, N, 6)
+    threats: FloatArray  # of all problems, (n, N, 6)
+    first_threat: IntArray  # (B + 1,)
+    guesses: FloatArray  # (m, N, 2)
+    first_guess: IntArray  # (B + 1,)
+    first_answer: IntArray  # (B + 1,)
 
 
 if TYPE_CHECKING:
@@ -317,11 +338,11 @@ def descend_all(
 ) -> None:
     """Minimise from guesses (m, N, 2); a row of `ends` is what `descend` returns.
 
-    Where there is room for 2 m answers, the latter m are found by way of the `widened` problem;
-    those whose way joins that of an earlier one are not repeated, and get a copy of its answer.
+    Where there is room for one more answer, it is found from the first guess by way of the `widened`
+    problem.
     """
     count = len(guesses)
-    ways, near = np.empty(count), np.empty_like(guesses[0])
+    near = np.empty_like(guesses[0])
     for m in range(len(ends)):
         guess, iterations = guesses[m % count], 0
         for leg in range(0 if m >= count else 1, 2):
@@ -336,14 +357,24 @@ def descend_all(
             if leg == 0:
                 copy(controls[m], near)
                 guess = near
-                ways[m - count] = value
-                known = -1
-                for n in range(m - count - 1, -1, -1):
-                    if abs(ways[n] - value) <= ALIKE * max(1.0, abs(value)):
-                        known = count + n
-                if known >= 0:
-                    copy(controls[known], controls[m])
-                    copy(states[known], states[m])
-                    value, end = ends[known, 0], int(ends[known, 2])
-                    break
         ends[m, 0], ends[m, 1], ends[m, 2] = value, iterations, end
+
+
+def descend_batch(
+    batch: Batch, begin: int, end: int, controls: FloatArray, states: FloatArray, ends: FloatArray
+) -> None:
+    """Minimise the problems from `begin` until before `end`, each as `descend_all` does."""
+    for b in range(begin, end):
+        threats = batch.threats[batch.first_threat[b] : batch.first_threat[b + 1]]
+        parts = batch.start[b], batch.low[b], batch.high[b]
+        task = Task(*parts, batch.constants[b], batch.anchors[b], threats)
+        widened = Task(*parts, batch.constants[b] * batch.widening, batch.anchors[b], threats)
+        first, last = batch.first_answer[b], batch.first_answer[b + 1]
+        descend_all(
+            task,
+            widened,
+            batch.guesses[batch.first_guess[b] : batch.first_guess[b + 1]],
+            controls[first:last],
+            states[first:last],
+            ends[first:last],
+        )

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
 from ..frames import FloatArray, PathTrajectory
 from ..ships import Hull
-from .parameters import Risk, RiskShape, Weights
+from .parameters import Risk, RiskShape, Settings, Weights
 from .symbolic import Scalar
 
+SWEPT = 10.0  # greatest speed of two ships towards one another that `cut_off` counts with [m/s]
 COLUMNS = 6  # of a threat: x, y [m], q_xx, q_xy, q_yy [1/m^2], gain
 
 
@@ -45,59 +49,108 @@ def threat(
     ellipse is drawn around both hulls as they lie, and around the way that they make towards one another
     in a step, so that small or fast ships do not slip through between two samples.
     """
-    poses = trajectory.poses[1:]
-    steps = np.arange(1, len(poses) + 1)
-    gain = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
+    rows: FloatArray = threats(own, [other], trajectory.poses[None], risk, weights, own_step)[0]
+    return rows
+
+
+def threats(
+    own: Hull,
+    others: Sequence[Hull],
+    poses: FloatArray,
+    risk: Risk,
+    weights: Weights,
+    own_step: float = 0.0,
+) -> FloatArray:
+    """Several ships at once, as `threat`: their `poses` are (n, N + 1, 3), the rows (n, N, 6)."""
+    rows = np.empty((len(others), poses.shape[1] - 1, COLUMNS))
+    if not len(others):
+        return rows
+    rows[:, :, :2] = poses[:, 1:, :2]
     if risk.shape is RiskShape.AXIS_BOUND:
-        ones = np.ones(len(poses))
-        form: tuple[FloatArray, ...] = (ones / risk.alpha_x, 0.0 * ones, ones / risk.alpha_y)
+        rows[:, :, 2:5] = 1.0 / risk.alpha_x, 0.0, 1.0 / risk.alpha_y
     elif risk.shape is RiskShape.FITTED:
-        form = _fitted(own, other, trajectory.poses, risk, own_step)
+        for column, form in enumerate(_fitted(own, others, poses, risk, own_step)):
+            rows[:, :, 2 + column] = form
     else:
-        form = _course_aligned(own, other, poses[:, 2], risk)
-    return np.column_stack([poses[:, 0], poses[:, 1], *form, gain])
+        sizes = [(each.safety_length / 2.0, each.safety_beam / 2.0) for each in others]
+        for column, form in enumerate(_course_aligned(own, np.array(sizes), poses[:, 1:, 2], risk)):
+            rows[:, :, 2 + column] = form
+    steps = np.arange(1, rows.shape[1] + 1)
+    rows[:, :, 5] = weights.K_ca / np.sqrt(1.0 + weights.K_d * steps)
+    return rows
 
 
-def _course_aligned(own: Hull, other: Hull, course: FloatArray, risk: Risk) -> tuple[FloatArray, ...]:
-    """Quadratic form of an ellipse along the other's course; the own hull lies along the own line."""
+def cut_off(own: Hull, other: Hull, settings: Settings, tolerance: float) -> float:
+    """Distance [m] beyond which the risk of another ship, summed over a whole horizon, is below `tolerance`.
+
+    No ellipse has a semi-axis longer than a, so that a step at a distance of d or more has a risk of
+    at most K_ca exp(-(d/a)^2), and N steps N times that; d is where this is the tolerance.
+
+    Examples
+    --------
+    >>> hull = Hull(length=103.0, beam=11.45)
+    >>> round(cut_off(hull, hull, Settings(), 1e-6))
+    413
+    """
+    risk = settings.risk
+    if risk.shape is RiskShape.AXIS_BOUND:
+        longest = math.sqrt(max(risk.alpha_x, risk.alpha_y))
+    elif risk.shape is RiskShape.FITTED:
+        swept = SWEPT * settings.kinematics.time_step / 2.0
+        longest = swept + sum(
+            math.hypot(risk.kappa_along * length, risk.kappa_across * beam) / 2.0
+            for length, beam in ((own.length, own.beam), (other.safety_length, other.safety_beam))
+        )
+    else:
+        diagonal = math.hypot(own.length, own.beam) / 2.0
+        longest = max(
+            risk.kappa_along * (other.safety_length / 2.0 + diagonal),
+            risk.kappa_across * (other.safety_beam / 2.0 + diagonal),
+        )
+    height = settings.weights.K_ca * settings.horizon
+    return longest * math.sqrt(max(0.0, math.log(height / tolerance))) if height > 0.0 else 0.0
+
+
+def _course_aligned(
+    own: Hull, sizes: FloatArray, course: FloatArray, risk: Risk
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Quadratic forms of ellipses along the others' courses (n, N); the own hull lies along the own line.
+
+    `sizes` are half the length and beam of the others' safety areas, (n, 2) [m].
+    """
     cos, sin = np.cos(course), np.sin(course)
     half_length, half_beam = own.length / 2.0, own.beam / 2.0
-    along = other.safety_length / 2.0 + np.hypot(half_length * cos, half_beam * sin)
-    across = other.safety_beam / 2.0 + np.hypot(half_length * sin, half_beam * cos)
+    along = sizes[:, :1] + np.hypot(half_length * cos, half_beam * sin)
+    across = sizes[:, 1:] + np.hypot(half_length * sin, half_beam * cos)
     a = 1.0 / (risk.kappa_along * along) ** 2
     b = 1.0 / (risk.kappa_across * across) ** 2
     return a * cos**2 + b * sin**2, (a - b) * sin * cos, a * sin**2 + b * cos**2
 
 
-def _fitted(own: Hull, other: Hull, poses: FloatArray, risk: Risk, own_step: float) -> tuple[FloatArray, ...]:
-    """Quadratic form of an ellipse around both hulls and half a step of relative motion.
+def _fitted(
+    own: Hull, others: Sequence[Hull], poses: FloatArray, risk: Risk, own_step: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Quadratic forms (n, N) of ellipses around both hulls and half a step of relative motion.
 
     Ellipses with the half-extents of either hull, and the segment of the motion, are added (as sets) in an
     ellipse around their sum: its matrix is tr_s * sum of M_i / tr_i, with tr_i the root of the trace of M_i
     and tr_s the sum of these (the least trace of all such ellipses).
     """
-    course = poses[1:, 2]
-    step = np.diff(poses[:, :2], axis=0) - np.array([own_step, 0.0])
-    along, across = risk.kappa_along, risk.kappa_across
-    zeros = np.zeros_like(course)
+    half = np.array([(each.safety_length / 2.0, each.safety_beam / 2.0) for each in others])
+    scale = np.array([risk.kappa_along, risk.kappa_across])
+    a, b = ((half * scale) ** 2).T[:, :, None]  # squares of the other's semi-axes, (n, 1)
+    c, d = ((np.array([own.length, own.beam]) / 2.0 * scale) ** 2).tolist()
+    cos, sin = np.cos(poses[:, 1:, 2]), np.sin(poses[:, 1:, 2])
+    north = np.diff(poses[:, :, 0], axis=1) - own_step
+    east = np.diff(poses[:, :, 1], axis=1)
     parts = (
-        _ellipse(zeros, along * own.length / 2.0, across * own.beam / 2.0),
-        _ellipse(course, along * other.safety_length / 2.0, across * other.safety_beam / 2.0),
-        np.einsum("ki,kj->kij", step, step) / 4.0,
+        (c, 0.0, d),
+        (a * cos**2 + b * sin**2, (a - b) * sin * cos, a * sin**2 + b * cos**2),
+        (north**2 / 4.0, north * east / 4.0, east**2 / 4.0),
     )
-    roots = [np.sqrt(np.trace(part, axis1=1, axis2=2)) for part in parts]
-    total = sum(roots, zeros)
-    matrix = sum(
-        (total / np.where(root > 0.0, root, 1.0))[:, None, None] * part
-        for root, part in zip(roots, parts, strict=True)
-    )
-    form = np.linalg.inv(matrix)
-    return form[:, 0, 0], form[:, 0, 1], form[:, 1, 1]
-
-
-def _ellipse(course: FloatArray, along: float, across: float) -> FloatArray:
-    """Matrices (N, 2, 2) of an ellipse with these semi-axes, along a course."""
-    cos, sin = np.cos(course), np.sin(course)
-    axes = np.stack([np.stack([cos, sin], axis=1), np.stack([-sin, cos], axis=1)], axis=1)
-    sizes = np.array([along**2, across**2])
-    return np.asarray(np.einsum("kai,a,kaj->kij", axes, sizes, axes))
+    roots = [np.sqrt(xx + yy) for xx, _, yy in parts]
+    total = roots[0] + roots[1] + roots[2]
+    shares = [total / np.where(root > 0.0, root, 1.0) for root in roots]
+    xx, xy, yy = (sum(share * part[n] for share, part in zip(shares, parts, strict=True)) for n in range(3))
+    determinant = xx * yy - xy * xy
+    return yy / determinant, -xy / determinant, xx / determinant

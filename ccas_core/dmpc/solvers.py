@@ -1,6 +1,6 @@
 """Ways to minimise the local problem (13b): `ipopt`, as the paper, and `fatrop`, by stages.
 
-A third, `riccati`, has a module of its own.
+A third, `riccati`, has a module of its own.  It is the default where numba, which it needs, is installed.
 
 A solver is a resource: it builds a nonlinear programme once for a horizon and a number of threats,
 and is then called like a function.  It returns a `Solution` whatever happens.
@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from functools import cache
+from importlib.util import find_spec
+from typing import Any, Final, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -40,10 +43,17 @@ class _Programme:
     upper: Callable[[LocalProblem], FloatArray]
 
 
+Task: TypeAlias = tuple[LocalProblem, Sequence[FloatArray]]  # a problem, and guesses of its controls, (N, 2)
+
+
 class AbstractLocalSolver(ABC):
-    """Minimises local problems; two methods, no state that a caller can see."""
+    """Minimises local problems, from one guess or several; no state that a caller can see."""
 
     name: str
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Do what is done once and takes a while, such as compiling; `tell` hears of it if it is done now."""
+        del tell
 
     @abstractmethod
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
@@ -55,6 +65,13 @@ class AbstractLocalSolver(ABC):
         A usable answer beats one that is not.  Iterations and seconds are those of all starts.
         """
         return self.choose([self.solve(problem, guess) for guess in guesses])
+
+    def begin(self, tasks: Sequence[Task]) -> Callable[[], list[Solution]]:
+        """Begin to answer several problems, each as `best` does; what comes back waits for the answers.
+
+        A solver may take them all at once, and go on while its caller does something else.
+        """
+        return lambda: [self.best(problem, guesses) for problem, guesses in tasks]
 
     @staticmethod
     def choose(answers: Sequence[Solution]) -> Solution:
@@ -294,22 +311,22 @@ def _parameters(horizon: int, threats: int) -> tuple[Any, ca.SX, ca.SX, ca.SX, c
 
 
 class Recorder(AbstractLocalSolver):
-    """A solver that keeps what it is asked, every start of it, and has another one answer."""
+    """A solver that keeps what it is asked, and has another one answer."""
 
     def __init__(self, inner: AbstractLocalSolver) -> None:
         self.name = inner.name
-        self.starts: list[tuple[LocalProblem, FloatArray]] = []
+        self.tasks: list[Task] = []
         self._inner = inner
 
     def solve(self, problem: LocalProblem, guess: FloatArray) -> Solution:
-        """Keep a start, and have it solved."""
-        self.starts.append((problem, guess))
+        """Keep a problem with its guess, and have it solved."""
+        self.tasks.append((problem, (guess,)))
         return self._inner.solve(problem, guess)
 
     def best(self, problem: LocalProblem, guesses: Iterable[FloatArray]) -> Solution:
-        """Keep all starts, and have them solved."""
+        """Keep a problem with all its guesses, and have it solved."""
         known = tuple(guesses)
-        self.starts += [(problem, guess) for guess in known]
+        self.tasks.append((problem, known))
         return self._inner.best(problem, known)
 
 
@@ -333,11 +350,28 @@ SOLVERS: Final[dict[str, Callable[[], AbstractLocalSolver]]] = {
     "ipopt": Ipopt,
     "riccati": _riccati,
 }
-DEFAULT_SOLVER: Final = "fatrop"
+FASTEST: Final = "riccati"
+WITHOUT_NUMBA: Final = "fatrop"
 
 
-def make_solver(name: str) -> AbstractLocalSolver:
-    """Make a solver by its name; `InputError` where there is none of that name."""
+@cache
+def default_solver() -> str:
+    """Name of the fastest solver that can be used here; that it is not the fastest of all is told once."""
+    if find_spec("numba") is not None:
+        return FASTEST
+    warnings.warn(
+        f"numba is not installed: solver {WITHOUT_NUMBA!r} stands in for {FASTEST!r}, which is tens of times "
+        "faster; `pip install numba` brings it",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return WITHOUT_NUMBA
+
+
+def make_solver(name: str | None = None) -> AbstractLocalSolver:
+    """Make a solver by its name, or the default one; `InputError` where there is none of that name."""
+    if name is None:
+        name = default_solver()
     if name not in SOLVERS:
         raise InputError(
             Diagnostic(source="solver", message=f"unknown solver {name!r}", hint=did_you_mean(name, SOLVERS))

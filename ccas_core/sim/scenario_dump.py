@@ -9,21 +9,23 @@ from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS
 from ..frames import FloatArray
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME
-from ..ships import UNKNOWN, Facts, FactValue, Hull
+from ..ships import Facts, Hull
+from ..tapd.vocabulary import VOCABULARY, Scope, Vocabulary
 from ..waterway import Waters
 from ..yaml_nodes import written
 from .scenario import Plan, Scenario
+from .scenario_facts import write_facts
 from .scenario_file import SCHEMA, full_circle
 
 _WIDTH: Final = 100  # of a line that is written
 _Tree: TypeAlias = "str | Mapping[str, _Tree] | Sequence[_Tree]"  # leaves are YAML already
 
 
-def dump_scenario(scenario: Scenario) -> str:
+def dump_scenario(scenario: Scenario, vocabulary: Vocabulary = VOCABULARY) -> str:
     """Write a scenario as resolved: read back, it gives the same voyage.
 
     What came from a file comes back bit for bit; other numbers keep twelve digits.  Positions
-    are [east, north], whatever they were.
+    are [east, north], whatever they were.  Facts of plugins need the vocabulary that has them.
     """
     control = scenario.control
     chosen = {"wait": control.wait, "risk_shape": control.risk_shape}
@@ -32,8 +34,8 @@ def dump_scenario(scenario: Scenario) -> str:
         "name": written(scenario.name),
         **{key: written(text) for key in ("title", "description") if (text := getattr(scenario, key))},
         "time": {"step": TIME.write(scenario.time_step), "duration": TIME.write(scenario.duration)},
-        "waters": _waters_tree(scenario.waters),
-        "ships": [_plan_tree(plan) for plan in scenario.ships],
+        "waters": _waters_tree(scenario.waters, vocabulary),
+        "ships": [_plan_tree(plan, vocabulary) for plan in scenario.ships],
         "control": {
             "horizon": str(control.horizon),
             "iterations": str(control.iterations),
@@ -55,7 +57,7 @@ def dump_scenario(scenario: Scenario) -> str:
     return "\n".join(_lines(tree)) + "\n"
 
 
-def _waters_tree(waters: Waters) -> dict[str, _Tree]:
+def _waters_tree(waters: Waters, vocabulary: Vocabulary) -> dict[str, _Tree]:
     tree: dict[str, _Tree] = {"ruleset": written(waters.ruleset)}
     if waters.regions:
         tree["regions"] = [
@@ -68,7 +70,7 @@ def _waters_tree(waters: Waters) -> dict[str, _Tree]:
             "centreline": _points(each.centreline),
             "width": LENGTH.write(each.width),
             "upstream": each.upstream,
-            **_facts_tree(each.facts),
+            **_facts_tree(each.facts, Scope.WATERWAY, vocabulary),
         }
         for each in waters.waterways
     ]
@@ -80,7 +82,7 @@ def _waters_tree(waters: Waters) -> dict[str, _Tree]:
     return tree
 
 
-def _plan_tree(plan: Plan) -> dict[str, _Tree]:
+def _plan_tree(plan: Plan, vocabulary: Vocabulary) -> dict[str, _Tree]:
     hull = plan.ship.hull
     usual = Hull(length=hull.length, beam=hull.beam)
     safety = {
@@ -101,21 +103,13 @@ def _plan_tree(plan: Plan) -> dict[str, _Tree]:
         "start": _position(plan.start.x, plan.start.y),
         "course": ANGLE.write(full_circle(plan.start.course)),
         "speed": SPEED.write(plan.speed),
-        **_facts_tree(plan.ship.facts),
+        **_facts_tree(plan.ship.facts, Scope.SHIP, vocabulary),
         **({"conduct": plan.conduct} if plan.conduct is not Conduct.DUTIFUL else {}),
     }
 
 
-def _facts_tree(facts: Facts) -> dict[str, _Tree]:
-    return {"facts": {written(name): _fact_text(value) for name, value in facts.items()}} if facts else {}
-
-
-def _fact_text(value: FactValue) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return repr(float(value))
-    return value.value if value is UNKNOWN else written(value) if isinstance(value, str) else str(value)
+def _facts_tree(facts: Facts, scope: Scope, vocabulary: Vocabulary) -> dict[str, _Tree]:
+    return {"facts": write_facts(facts, scope, vocabulary)} if facts else {}
 
 
 def _points(points: FloatArray) -> list[_Tree]:

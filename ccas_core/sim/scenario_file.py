@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Final
@@ -12,18 +13,20 @@ import numpy as np
 
 from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
-from ..errors import ScenarioError
+from ..errors import ScenarioError, did_you_mean
 from ..findings import read_text
 from ..frames import NedPose
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME, Range
-from ..ships import UNKNOWN, Facts, FactValue, Hull, Ship, ShipId
+from ..ships import Hull, Ship, ShipId
 from ..strict_yaml import Reader
+from ..tapd.vocabulary import VOCABULARY, Scope, Vocabulary
 from ..units import DEGREE, wrap
 from ..waterway import GuidingLine, Leg, Obstacle, Region, Towards, Waters, Waterway, guiding_line
-from ..yaml_nodes import Node
+from ..yaml_nodes import Node, Scalar
 from ..yaml_nodes import Sequence as List
 from .plane import Plane, Point
 from .scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
+from .scenario_facts import read_facts
 
 SCHEMA: Final = "ccas/scenario@1"
 
@@ -36,7 +39,22 @@ _MAX_LEGS: Final = 100
 _SHARPEST_BEND: Final = 150.0 * DEGREE
 
 
-def load_scenario(path: str | Path, rulesets: Collection[str] | None = None) -> Scenario:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Known:
+    """What a scenario may name."""
+
+    rulesets: Collection[str] | None
+    regions: Mapping[str, Region]
+    vocabulary: Vocabulary
+
+
+def load_scenario(
+    path: str | Path,
+    rulesets: Collection[str] | None = None,
+    *,
+    regions: Mapping[str, Region] | None = None,
+    vocabulary: Vocabulary = VOCABULARY,
+) -> Scenario:
     """Read a scenario file.
 
     Parameters
@@ -45,23 +63,36 @@ def load_scenario(path: str | Path, rulesets: Collection[str] | None = None) -> 
         The file.
     rulesets
         Ids of the rulesets that there are; None: not checked.
+    regions
+        Regions of plugins, which a scenario may name.
+    vocabulary
+        Facts that ships and waterways may state.
 
     Raises
     ------
     ScenarioError
         With all that is wrong, each with its place.
     """
-    return parse_scenario(read_text(path, ScenarioError), str(path), rulesets)
+    text = read_text(path, ScenarioError)
+    return parse_scenario(text, str(path), rulesets, regions=regions, vocabulary=vocabulary)
 
 
-def parse_scenario(text: str, source: str = "scenario", rulesets: Collection[str] | None = None) -> Scenario:
+def parse_scenario(
+    text: str,
+    source: str = "scenario",
+    rulesets: Collection[str] | None = None,
+    *,
+    regions: Mapping[str, Region] | None = None,
+    vocabulary: Vocabulary = VOCABULARY,
+) -> Scenario:
     """Read the text of a scenario file; `source` is what findings call it.  See `load_scenario`."""
     reader = Reader(text, source, ScenarioError)
     root = reader.document(SCHEMA)
     plane = Plane(reader)
+    known = _Known(rulesets=rulesets, regions=regions or {}, vocabulary=vocabulary)
     title, description = root.find("title"), root.find("description")
     time_step, duration = _time(reader, root.require("time"))
-    waters, known = _waters(reader, root.require("waters"), plane, rulesets)
+    waters, waterways = _waters(reader, root.require("waters"), plane, known)
     scenario = Scenario(
         name=reader.text(root.require("name")),
         title=reader.text(title) if title else "",
@@ -69,7 +100,7 @@ def parse_scenario(text: str, source: str = "scenario", rulesets: Collection[str
         time_step=time_step,
         duration=duration,
         waters=waters,
-        ships=_ships(reader, root.require("ships"), plane, waters, known),
+        ships=_ships(reader, root.require("ships"), plane, waters, waterways, vocabulary),
         control=_control(reader, root.find("control")),
         bus=_bus(reader, root.find("bus")),
     )
@@ -86,15 +117,16 @@ def _time(reader: Reader, node: Node) -> tuple[float, float]:
     return step, duration
 
 
-def _waters(
-    reader: Reader, node: Node, plane: Plane, rulesets: Collection[str] | None
-) -> tuple[Waters, Collection[str]]:
+def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Waters, Collection[str]]:
     """What of the waters is well, and the ids of all waterways, well or not."""
     block = reader.block(node)
     ids: tuple[dict[str, Node], ...] = ({}, {}, {})
-    ruleset = _ruleset(reader, block.require("ruleset"), rulesets)
-    reaches = [_waterway(reader, each, plane, ids[0]) for each in reader.items(block.require("waterways"), 1)]
-    regions = [_region(reader, each, plane, ids[1], rulesets) for each in reader.items(block.find("regions"))]
+    ruleset = _ruleset(reader, block.require("ruleset"), known.rulesets)
+    reaches = [
+        _waterway(reader, each, plane, ids[0], known.vocabulary)
+        for each in reader.items(block.require("waterways"), 1)
+    ]
+    regions = [_region(reader, each, plane, ids[1], known) for each in reader.items(block.find("regions"))]
     obstacles = [_obstacle(reader, each, plane, ids[2]) for each in reader.items(block.find("obstacles"))]
     block.done()
     waters = Waters(
@@ -113,13 +145,15 @@ def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> st
     return ruleset
 
 
-def _waterway(reader: Reader, node: Node, plane: Plane, ids: dict[str, Node]) -> Waterway | None:
+def _waterway(
+    reader: Reader, node: Node, plane: Plane, ids: dict[str, Node], vocabulary: Vocabulary
+) -> Waterway | None:
     block = reader.block(node)
     id_ = reader.unique(ids, block.require("id"), "waterway")
     centreline = _centreline(reader, block.require("centreline"), plane)
     width = reader.number(block.require("width"), LENGTH, _POSITIVE)
     upstream = reader.choice(block.optional("upstream", "none"), Towards)
-    facts = _facts(reader, block.find("facts"))
+    facts = read_facts(reader, block.find("facts"), Scope.WATERWAY, vocabulary)
     if not block.done():
         return None
     return Waterway(id=id_, centreline=np.array(centreline), width=width, upstream=upstream, facts=facts)
@@ -135,12 +169,20 @@ def _centreline(reader: Reader, node: Node, plane: Plane) -> list[Point]:
     return points
 
 
-def _region(
-    reader: Reader, node: Node, plane: Plane, ids: dict[str, Node], rulesets: Collection[str] | None
-) -> Region | None:
+def _region(reader: Reader, node: Node, plane: Plane, ids: dict[str, Node], known: _Known) -> Region | None:
+    """A region that is drawn here, or one of a plugin, by its id."""
+    if isinstance(node, Scalar) and not node.is_null:
+        name = reader.unique(ids, node, "region")
+        region = known.regions.get(name)
+        if name and region is None:
+            reader.unknown(node, "region", name, known.regions)
+        elif region and known.rulesets is not None and region.ruleset not in known.rulesets:
+            message = f"region '{name}' is under the unknown ruleset '{region.ruleset}'"
+            reader.refuse(node, message, hint=did_you_mean(region.ruleset, known.rulesets))
+        return region
     block = reader.block(node)
     id_ = reader.unique(ids, block.require("id"), "region")
-    ruleset = _ruleset(reader, block.require("ruleset"), rulesets)
+    ruleset = _ruleset(reader, block.require("ruleset"), known.rulesets)
     border = block.require("polygon")
     points = plane.points(border, 3)
     if not block.done():
@@ -162,15 +204,26 @@ def _obstacle(reader: Reader, node: Node, plane: Plane, ids: dict[str, Node]) ->
 
 
 def _ships(
-    reader: Reader, node: Node, plane: Plane, waters: Waters, known: Collection[str]
+    reader: Reader,
+    node: Node,
+    plane: Plane,
+    waters: Waters,
+    known: Collection[str],
+    vocabulary: Vocabulary,
 ) -> tuple[Plan, ...]:
     ids: dict[str, Node] = {}
-    plans = [_plan(reader, each, plane, waters, known, ids) for each in reader.items(node, 1)]
+    plans = [_plan(reader, each, plane, waters, known, ids, vocabulary) for each in reader.items(node, 1)]
     return tuple(plan for plan in plans if plan)
 
 
 def _plan(
-    reader: Reader, node: Node, plane: Plane, waters: Waters, known: Collection[str], ids: dict[str, Node]
+    reader: Reader,
+    node: Node,
+    plane: Plane,
+    waters: Waters,
+    known: Collection[str],
+    ids: dict[str, Node],
+    vocabulary: Vocabulary,
 ) -> Plan | None:
     block = reader.block(node)
     id_ = reader.unique(ids, block.require("id"), "ship")
@@ -185,7 +238,7 @@ def _plan(
     towards = block.find("course")
     course = reader.number(towards, ANGLE, _COURSE) if towards else None
     speed = reader.number(block.require("speed"), SPEED, _SPEED)
-    facts = _facts(reader, block.find("facts"))
+    facts = read_facts(reader, block.find("facts"), Scope.SHIP, vocabulary)
     conduct = reader.choice(block.optional("conduct", "dutiful"), Conduct)
     if not block.done() or (line := _line(reader, legs, route, waters)) is None:
         return None
@@ -240,15 +293,6 @@ def _start(
 def full_circle(angle: float) -> float:
     """An angle as files write courses: from north clockwise, at least 0 and below 360 deg."""
     return ANGLE.keep(angle % math.tau) % math.tau
-
-
-def _facts(reader: Reader, node: Node | None) -> Facts:
-    return {key.text: _fact(reader, value) for key, value in reader.entries(node)}
-
-
-def _fact(reader: Reader, node: Node) -> FactValue:
-    value = reader.value(node)
-    return UNKNOWN if value == UNKNOWN.value else value
 
 
 def _control(reader: Reader, node: Node | None) -> ControlChoice:

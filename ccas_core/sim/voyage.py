@@ -10,6 +10,7 @@ from types import MappingProxyType
 from ..agent.bus import Bus
 from ..agent.events import AgentSettings, Decision, Sensed
 from ..agent.period import PeriodLog, run_period
+from ..agent.reach import FORESIGHT, neighbours, reach, separation
 from ..agent.ship_agent import ShipAgent
 from ..dmpc.parameters import FAITHFUL, PROFILES, Settings, with_parameter
 from ..dmpc.solvers import AbstractLocalSolver
@@ -58,6 +59,8 @@ def voyage(
     settings = agent_settings(scenario)
     vessel = KinematicVessel(next(iter(settings.profiles.values())).kinematics)
     ships = {plan.ship.id: _launched(scenario, plan, rulesets, settings) for plan in scenario.ships}
+    apart = separation(settings.profiles.values(), [plan.ship.hull for plan in scenario.ships])
+    ahead = max(FORESIGHT, scenario.time_step * scenario.control.horizon)
     bus = Bus(loss=scenario.bus.loss, delay=scenario.bus.delay, seed=scenario.bus.seed)
     limit = periods_limit(scenario)
     arrived: dict[ShipId, float] = {}
@@ -71,7 +74,10 @@ def voyage(
             for id_, ship in under_way.items()
         }
         agents = {id_: ship.agent for id_, ship in under_way.items()}
-        log = run_period(agents, bus, solver, sensed, time)
+        reaches = {
+            id_: reach(ship.line, ship.pose.x, ship.plan.speed, ahead) for id_, ship in under_way.items()
+        }
+        log = run_period(agents, bus, solver, sensed, time, neighbours(reaches, apart))
         commands = {
             id_: held(
                 Command(decision.offset, decision.speed_factor),

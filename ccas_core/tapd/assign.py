@@ -6,11 +6,14 @@ verdict of `conflict`, so that the safe mutual rule applies and the log says why
 
 from __future__ import annotations
 
+from typing import Final
+
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .encounters import Encounter, remember
-from .facts import comes_up
 from .ruleset import AbstractRuleset, Pair, Situation
+
+FAILED: Final = "the ruleset failed: "  # begins the reason of a verdict that stands for what a ruleset raised
 
 
 def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
@@ -28,14 +31,7 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
         if verdict is not None and (verdict.own, verdict.other) != (own, other):
             raise ValueError(f"expected a verdict of {own} on {other}, got {verdict.own} on {verdict.other}")
     except Exception as error:  # a plugin may raise anything, and no ship may be left without a verdict
-        return Verdict(
-            own=own,
-            other=other,
-            kind=Kind.CONFLICT,
-            ruleset=ruleset.id,
-            version=ruleset.version,
-            reason=f"the ruleset failed: {type(error).__name__}: {error}",
-        )
+        return failed(ruleset, own, other, error)
     if verdict is not None:
         return verdict
     return Verdict(
@@ -43,11 +39,20 @@ def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: S
     )
 
 
+def failed(ruleset: AbstractRuleset, own: ShipId, other: ShipId, error: Exception) -> Verdict:
+    """Verdict that stands for what a ruleset raised: a conflict, so that both ships give way."""
+    return Verdict(
+        own=own,
+        other=other,
+        kind=Kind.CONFLICT,
+        ruleset=ruleset.id,
+        version=ruleset.version,
+        reason=f"{FAILED}{type(error).__name__}: {error}",
+    )
+
+
 def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]:
     """Carry the memory of a pair on by a period, given the verdict of one of its views."""
-    facts = situation.facts(verdict.own, verdict.other)
-    overtaker = comes_up(facts) if verdict.geometry == "overtaking" else None
-    if facts.encounter.overtaker is not None:
-        overtaker = facts.encounter.overtaker
-    pair = (min(verdict.own, verdict.other), max(verdict.own, verdict.other))
-    return pair, remember(facts, verdict.geometry, overtaker)
+    own, other = verdict.own, verdict.other
+    before = situation.encounter(own, other)
+    return (min(own, other), max(own, other)), remember(before, situation.facts(own, other), verdict)

@@ -2,8 +2,9 @@
 
 Ships tell one another whom they wait for.  A ship whose timer T_DL has run out looks at what it
 has heard: it may decide if it lies in a source component (nobody it waits for, at any remove,
-fails to wait for it) and is the lightest there, then the one with the smallest id.  A ship that
-merely waits for a ring must not jump the queue.  `priority.open_cycles` gives the same order.
+fails to wait for it) and is the first there by rank, as a rule the lightest, then the one with the
+smallest id.  A ship that merely waits for a ring must not jump the queue.  `priority.open_cycles` gives the
+same order.
 """
 
 from __future__ import annotations
@@ -15,16 +16,21 @@ from types import MappingProxyType
 
 import networkx as nx
 
-from ..priority import Edge, EdgeKind, Opening, order_edges_on_cycles
+from ..priority import LIGHTEST_FIRST, Edge, EdgeKind, Opening, order_edges_on_cycles
 from ..ships import ShipId
 
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """Whom a ship waits for in this period, and by which kind of edge."""
+    """Whom a ship waits for in this period, and by which kind of edge.
 
-    mass: float  # [kg]
+    `rank` is its place among those that wait for one another (the least decides first), by the criteria that
+    `criterion` names; those of its ruleset.
+    """
+
+    rank: tuple[float, ...]
     waits_for: Mapping[ShipId, EdgeKind] = field(default_factory=dict)
+    criterion: str = LIGHTEST_FIRST
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "waits_for", MappingProxyType(dict(self.waits_for)))
@@ -61,14 +67,14 @@ def released(
     ring = next(ring for ring in nx.strongly_connected_components(graph) if own in ring)
     if any(before not in ring for ship in ring for before in graph.predecessors(ship)):
         return None
-    if own != min(ring, key=lambda ship: (heard[ship].mass, ship)):
+    if own != min(ring, key=lambda ship: (heard[ship].rank, ship)):
         return None
     duties = (
         Edge(before, own, graph.edges[before, own]["kind"]) for before in sorted(graph.predecessors(own))
     )
     return (
         *(Opening(edge, "no duty") for edge in orders if edge.then == own),
-        *(Opening(edge, "lightest first") for edge in duties),
+        *(Opening(edge, heard[own].criterion) for edge in duties),
     )
 
 

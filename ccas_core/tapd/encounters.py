@@ -1,7 +1,7 @@
 """Memory of an encounter: what was true when it began holds until the ships are past and clear.
 
-Overtaking lasts until the overtaker is past and clear (COLREG 13(d), BPR 6.09); the starboard side is
-that of the first verdict.  Both ships remember the same, for they remember the same messages.
+Overtaking lasts until the overtaker is past and clear (COLREG 13(d), BPR 6.09); the starboard side and the
+direction are those of the first verdict.  Both ships remember the same, for they remember the same messages.
 """
 
 from __future__ import annotations
@@ -10,15 +10,18 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from ..roles import Geometry
-from ..ships import FactValue, ShipId
+from ..ships import UNKNOWN, FactValue, ShipId
 
 if TYPE_CHECKING:
+    from ..verdict import Verdict
     from .facts import PairFacts
 
-_OPENING_PERIODS = 2  # periods of growing range after which ships are past and clear
+HELD: Final = ("follows_starboard_side", "direction")  # facts of a ship that an encounter holds
+_OPENING_PERIODS: Final = 2  # periods of growing range after which ships are past and clear
+_GIVEN_UP: Final = 3600.0  # an overtaker that needs longer than this has given up [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,48 +30,55 @@ class Encounter:
 
     geometry: Geometry = Geometry.NONE
     overtaker: ShipId | None = None
-    starboard_sides: Mapping[ShipId, FactValue] = field(default_factory=dict)
-    crosses_from: Mapping[ShipId, float] = field(default_factory=dict)  # `courses_cross_from` of each ship
+    has_other_on_starboard: ShipId | None = None
+    held: Mapping[ShipId, Mapping[str, FactValue]] = field(default_factory=dict)
     distance: float = math.inf  # when it was last looked at [m]
     opening_periods: int = 0  # for how many periods the range has grown
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "starboard_sides", MappingProxyType(dict(self.starboard_sides)))
-        object.__setattr__(self, "crosses_from", MappingProxyType(dict(self.crosses_from)))
+        held = {ship: MappingProxyType(dict(facts)) for ship, facts in self.held.items()}
+        object.__setattr__(self, "held", MappingProxyType(held))
 
 
-NO_ENCOUNTER = Encounter()
+NO_ENCOUNTER: Final = Encounter()
 
 
-def remember(facts: PairFacts, geometry: Geometry, overtaker: ShipId | None) -> Encounter:
+def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter:
     """Carry an encounter on by a period: begin it, keep it, or end it when past and clear."""
-    before = facts.encounter
-    own, other = facts.own.pose, facts.other.pose
-    distance = math.hypot(own.x - other.x, own.y - other.y)
-    sides = {facts.own.id: facts.own_on_starboard_side, facts.other.id: facts.other_on_starboard_side}
+    distance = facts.quantity(("distance",))
     if before.geometry is Geometry.NONE:
-        if geometry is Geometry.NONE:
+        if verdict.geometry is Geometry.NONE:
             return NO_ENCOUNTER
-        cross = {facts.own.id: facts.courses_cross_from, facts.other.id: -facts.courses_cross_from}
+        held = {ship: _known(facts, side) for ship, side in _sides(facts)}
         return Encounter(
-            geometry=geometry,
-            overtaker=overtaker,
-            starboard_sides=sides,
-            crosses_from=cross,
+            geometry=verdict.geometry,
+            overtaker=verdict.overtaker,
+            has_other_on_starboard=verdict.has_other_on_starboard,
+            held=held,
             distance=distance,
         )
     opening = before.opening_periods + 1 if distance > before.distance else 0
-    apart = distance > (facts.own.ship.hull.length + facts.other.ship.hull.length) / 2.0
-    if opening >= _OPENING_PERIODS and apart and _past(facts):
+    apart = distance > (facts["own.length"] + facts["other.length"]) / 2.0
+    if opening >= _OPENING_PERIODS and apart and _past(before, facts):
         return NO_ENCOUNTER
-    return replace(before, starboard_sides=sides, distance=distance, opening_periods=opening)
+    held = {ship: {**_known(facts, side), **before.held.get(ship, {})} for ship, side in _sides(facts)}
+    return replace(before, held=held, distance=distance, opening_periods=opening)
 
 
-def _past(facts: PairFacts) -> bool:
+def _sides(facts: PairFacts) -> tuple[tuple[ShipId, str], ...]:
+    return (facts.own, "own"), (facts.other, "other")
+
+
+def _known(facts: PairFacts, side: str) -> dict[str, FactValue]:
+    values = {name: facts[f"{side}.{name}"] for name in HELD}
+    return {name: value for name, value in values.items() if value is not UNKNOWN}
+
+
+def _past(encounter: Encounter, facts: PairFacts) -> bool:
     """Whether an overtaker has the other abaft its beam; other encounters are past when the range grows."""
-    overtaker = facts.encounter.overtaker
+    overtaker = encounter.overtaker
     if overtaker is None:
         return True
-    bearing = facts.bearing_of_other if overtaker == facts.own.id else facts.bearing_of_own
-    gave_up = facts.tcpa > 3600.0 or facts.tcpa < 0.0
-    return abs(bearing) > math.pi / 2.0 or gave_up
+    ships = ("own", "other") if overtaker == facts.own else ("other", "own")
+    tcpa = facts.quantity(("tcpa",))
+    return facts.quantity(("abs", *ships)) > math.pi / 2.0 or tcpa > _GIVEN_UP or tcpa < 0.0

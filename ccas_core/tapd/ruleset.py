@@ -11,32 +11,63 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from types import MappingProxyType
+from typing import Any
 
-from ..priority import PriorityGraph, settle
-from ..ships import ShipId
+from ..priority import LIGHTEST_FIRST, PriorityGraph, settle
+from ..ships import Ship, ShipId
 from ..verdict import Kind, Verdict
 from ..world import World
 from .encounters import NO_ENCOUNTER, Encounter
-from .facts import PairFacts, assess
+from .facts import PairFacts, assess, ship_values
+from .vocabulary import VOCABULARY, Scope, Vocabulary
 
 Pair = tuple[ShipId, ShipId]  # sorted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Situation:
-    """The world now, and what is remembered of every pair's encounter."""
+    """The world now, what is remembered of every pair's encounter, and who kept the starboard side."""
 
     world: World
     encounters: Mapping[Pair, Encounter] = field(default_factory=dict)
+    kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
+    _values: dict[tuple[int, ShipId], tuple[Any, ...]] = field(default_factory=dict, init=False, repr=False)
+    _assessed: dict[tuple[int, ShipId, ShipId], PairFacts] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "encounters", MappingProxyType(dict(self.encounters)))
 
-    def facts(self, own: ShipId, other: ShipId) -> PairFacts:
+    def facts(self, own: ShipId, other: ShipId, vocabulary: Vocabulary = VOCABULARY) -> PairFacts:
         """Facts about two ships, as `own` sees them."""
-        reports = self.world.reports
-        memory = self.encounters.get((min(own, other), max(own, other)), NO_ENCOUNTER)
-        return assess(self.world.waters, reports[own], reports[other], memory)
+        key = id(vocabulary), own, other
+        if key not in self._assessed:
+            reports = self.world.reports
+            values = {ship: self.ship_values(ship, vocabulary) for ship in (own, other)}
+            memory = self.encounter(own, other)
+            self._assessed[key] = assess(
+                vocabulary, self.world.waters, reports[own], reports[other], memory, values
+            )
+        return self._assessed[key]
+
+    def ship_values(self, ship: ShipId, vocabulary: Vocabulary = VOCABULARY) -> tuple[Any, ...]:
+        """Facts of one ship, computed once."""
+        key = id(vocabulary), ship
+        if key not in self._values:
+            report, kept = self.world.reports[ship], ship in self.kept_starboard
+            self._values[key] = ship_values(vocabulary, self.world.waters, report, kept_starboard=kept)
+        return self._values[key]
+
+    def on_starboard_side(self, vocabulary: Vocabulary = VOCABULARY) -> frozenset[ShipId]:
+        """Ships that follow the starboard side of their waterways now."""
+        place = vocabulary.places[Scope.SHIP]["follows_starboard_side"]
+        values = {ship: self.ship_values(ship, vocabulary)[place] for ship in self.world.reports}
+        return frozenset(ship for ship, value in values.items() if value is True)
+
+    def encounter(self, own: ShipId, other: ShipId) -> Encounter:
+        """What is remembered of two ships."""
+        return self.encounters.get((min(own, other), max(own, other)), NO_ENCOUNTER)
 
 
 class AbstractRuleset(ABC):
@@ -50,12 +81,29 @@ class AbstractRuleset(ABC):
     def emit(self, situation: Situation) -> PriorityGraph:
         """Emit the priority graph of a situation: every edge from verdicts with a source."""
 
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """Facts that the ruleset may ask for."""
+        return VOCABULARY
+
     def view(self, situation: Situation, own: ShipId, other: ShipId) -> Verdict | None:
         """Verdict of `own`'s view on `other`, read from the emitted graph; None where it says nothing."""
         for settlement in self.emit(situation).settlements:
             if settlement.pair == (min(own, other), max(own, other)):
                 return settlement.one if settlement.one.own == own else settlement.other
         return None
+
+    @property
+    def criterion(self) -> str:
+        """What `rank` goes by, for the log."""
+        return LIGHTEST_FIRST
+
+    def rank(self, ship: Ship) -> tuple[float, ...]:
+        """Place of a ship among those that wait for one another in a ring: the least decides first.
+
+        By displacement (Sec. 3.2); ships that are alike are told apart by their ids.
+        """
+        return (ship.mass,)
 
 
 class PairRuleset(AbstractRuleset):
@@ -67,7 +115,7 @@ class PairRuleset(AbstractRuleset):
 
     def view(self, situation: Situation, own: ShipId, other: ShipId) -> Verdict | None:
         """Judge one pair, from one side."""
-        return self.judge(situation.facts(own, other))
+        return self.judge(situation.facts(own, other, self.vocabulary))
 
     def emit(self, situation: Situation) -> PriorityGraph:
         """Judge every pair from both sides, and settle."""
@@ -75,8 +123,11 @@ class PairRuleset(AbstractRuleset):
         masses = {ship: report.ship.mass for ship, report in reports.items()}
         settlements = []
         for own, other in combinations(sorted(reports), 2):
-            facts = situation.facts(own, other)
+            facts = situation.facts(own, other, self.vocabulary)
             one, two = self.judge(facts), self.judge(facts.mirrored())
             if (one.kind, two.kind) != (Kind.NONE, Kind.NONE):
                 settlements.append(settle(one, two, masses))
-        return PriorityGraph(masses=masses, settlements=tuple(settlements))
+        ranks = {ship: self.rank(report.ship) for ship, report in reports.items()}
+        return PriorityGraph(
+            masses=masses, settlements=tuple(settlements), ranks=ranks, criterion=self.criterion
+        )

@@ -2,185 +2,217 @@
 
 from __future__ import annotations
 
-import os
-import platform
-import subprocess
-import sys
-import time
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final
 
 import typer
 
 from . import inputs, talk
 from .exits import answered
 
-if TYPE_CHECKING:
-    from ccas_core.dmpc.local_problem import LocalProblem, Solution
-    from ccas_core.dmpc.solvers import AbstractLocalSolver
-    from ccas_core.frames import FloatArray
-    from ccas_core.sim.scenario import Scenario
-    from ccas_core.tapd.ruleset import AbstractRuleset
-
-_VOYAGE: Final = "tran2026/fig_12"
-_UPDATES: Final = "tran2026/six_ships"
-_REFERENCE: Final = "ipopt"
-_NOT_WORSE: Final = 1e-6  # difference of objectives that does not count
+VOYAGE: Final = "tran2026/fig_12"
+UPDATES: Final = "tran2026/six_ships"
+SCALE: Final = "100,1000,10000"
+FEWEST_SHIPS, MOST_SHIPS = 10, 100_000
 
 
 @answered
 def bench(
     context: typer.Context,
     problems: Annotated[int, typer.Option(help="Local problems to solve with each solver.", min=10)] = 200,
+    scale: Annotated[
+        str, typer.Option(metavar="NUMBERS", help="Ships in the networks, with commas; 0 for none.")
+    ] = SCALE,
+    agreement: Annotated[
+        int,
+        typer.Option(
+            metavar="NUMBER",
+            help="Problems of all shipped scenarios, N = 30, 45, 60, to compare riccati with ipopt on.",
+            min=0,
+        ),
+    ] = 0,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw the figures, as .png, .pdf or .svg.")
+    ] = None,
     as_json: talk.AsJson = False,
 ) -> None:
-    """Measure update times, voyages and start-up on this machine, solvers side by side.
+    """Measure updates, voyages, growing networks, memory and start-up on this machine, side by side.
 
-    The local problems are recorded from the six-ship voyage of Table 2 (N = 45); each is solved by every
-    solver from the same start, one after the other. Only the solver call is timed. The voyage is
-    that of Fig. 12.
+    Updates: local problems of the six-ship voyage of Table 2 (N = 45), each solved by every solver from the
+    same start; only the solver call is timed. "All starts" is riccati from all of its starts against one
+    start of ipopt. The voyage is that of Fig. 12. Networks: waterways with junctions at 0.5 ships a
+    kilometre; one control period of 20 s with 3 iterations, from the reports to the rudder.
 
     Example:
         ccas bench
-        ccas bench --problems 50 --json
+        ccas bench --scale 100,1000 --picture bench.png
+        ccas bench --agreement 2000 --scale 0 --json
     """
-    from ccas_core.dmpc.solvers import SOLVERS, make_solver
+    sizes = _sizes(scale)
+    suffixes = (".png", ".pdf", ".svg")
+    if picture is not None and (picture.suffix not in suffixes or not picture.absolute().parent.is_dir()):
+        raise typer.BadParameter(
+            f"got {str(picture)!r}; expected a .png, .pdf or .svg in a folder that exists"
+        )
+    from ccas_core.dmpc.solvers import SOLVERS
     from ccas_core.sim.scenario_file import load_scenario
     from ccas_scenarios import path
 
+    from . import measuring
+
     rulesets = inputs.load_plugins(context).rulesets
-    solvers = {name: make_solver(name) for name in sorted(SOLVERS)}
-    result: dict[str, Any] = {"machine": _machine(), "start_up": _start_up()}
-    talk.note(f"recording local problems of {_UPDATES}")
-    starts = _recorded(load_scenario(path(_UPDATES)), rulesets, solvers["fatrop"], problems)
-    result["update"] = _updates(starts, solvers)
-    voyage = load_scenario(path(_VOYAGE))
-    result["voyage"] = {"scenario": voyage.name}
+    solvers = {name: inputs.ready_solver(name) for name in sorted(SOLVERS)}
+    fast = solvers[measuring.FAST]
+    result: dict[str, Any] = {"machine": measuring.machine(), "start_up": measuring.start_up()}
+    talk.note(f"recording local problems of {UPDATES}")
+    tasks = measuring.recorded(load_scenario(path(UPDATES)), rulesets, fast, problems)
+    talk.note(f"solving {len(tasks)} problems with each of {', '.join(solvers)}")
+    result["update"] = measuring.updates(tasks, solvers)
+    result["voyage"] = {"scenario": VOYAGE}
     for name, solver in solvers.items():
-        talk.note(f"sailing {_VOYAGE} with {name}")
-        result["voyage"][name] = {"seconds": _sailed(voyage, rulesets, solver)}
+        talk.note(f"sailing {VOYAGE} with {name}")
+        seconds = measuring.sailed(load_scenario(path(VOYAGE)), rulesets, solver)
+        result["voyage"][name] = {"seconds": seconds}
+    if agreement:
+        talk.note(f"recording {agreement} problems or more of all shipped scenarios, and solving them")
+        result["agreement"] = []
+        for row in measuring.agreement(rulesets, solvers, agreement):
+            result["agreement"].append(row)
+            talk.note(f"N = {row['horizon']}: {row['problems']} problems, {row['worse']} worse")
+    result["scale"] = []
+    for found in measuring.scale(sizes, rulesets, fast):
+        result["scale"].append(found)
+        talk.note(f"{found['ships']} ships: {found['seconds']:.2f} s a period")
+    result["growth"] = _growth(result["scale"], "seconds")
+    result["cpu_growth"] = _growth(result["scale"], "cpu_seconds")
+    result["peak_memory_mib"] = measuring.peak_memory()
+    if picture is not None:
+        from ccas_core.sim.bench_drawing import draw_bench
+
+        draw_bench(result, picture)
+        talk.note(f"picture: {picture}")
+    del result["update"]["times_ms"]
     if as_json:
         talk.show_json(result)
     else:
         _show(result)
 
 
-def _machine() -> dict[str, Any]:
-    from importlib.metadata import version
-
-    packages = ("casadi", "numpy", "networkx", "numba")
-    return {
-        "python": platform.python_version(),
-        "system": platform.platform(terse=True),
-        "processor": platform.machine(),
-        "cores": os.cpu_count(),
-        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
-        **{package: version(package) for package in packages},
-    }
+def _sizes(text: str) -> list[int]:
+    """Numbers of ships, growing."""
+    try:
+        sizes = sorted({int(part) for part in text.split(",")} - {0})
+    except ValueError:
+        sizes = [-1]
+    if any(not FEWEST_SHIPS <= size <= MOST_SHIPS for size in sizes):
+        expected = f"numbers from {FEWEST_SHIPS} to {MOST_SHIPS} with commas, such as {SCALE}; or 0"
+        raise typer.BadParameter(f"got {text!r}; expected {expected}")
+    return sizes
 
 
-def _start_up() -> dict[str, float]:
-    """Wall time of `ccas --help`, least of five [s]."""
-    command = [sys.executable, "-c", "from ccas_cli.main import main; main()", "--help"]
-    times = []
-    for _ in range(5):
-        began = time.perf_counter()
-        subprocess.run(command, check=True, capture_output=True)  # noqa: S603 - our own program
-        times.append(time.perf_counter() - began)
-    return {"help_seconds": min(times)}
+def _growth(scale: Sequence[Mapping[str, Any]], key: str) -> float | None:
+    """Cost of a ship in the largest network over that in the smallest."""
+    if len(scale) < 2:
+        return None
+    smallest, largest = (row[key] / row["ships"] for row in (scale[0], scale[-1]))
+    return float(largest / smallest)
 
 
-def _recorded(
-    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver, count: int
-) -> list[tuple[LocalProblem, FloatArray]]:
-    """Local problems and starts of a voyage, `count` of them evenly spread."""
-    from ccas_core.dmpc.solvers import Recorder
-    from ccas_core.sim.voyage import voyage
-
-    recorder = Recorder(solver)
-    for _ in voyage(scenario, rulesets, recorder):
-        pass
-    step = max(1, len(recorder.starts) // count)
-    return recorder.starts[::step][:count]
-
-
-def _updates(
-    starts: list[tuple[LocalProblem, FloatArray]], solvers: Mapping[str, AbstractLocalSolver]
-) -> dict[str, Any]:
-    import numpy as np
-
-    talk.note(f"solving {len(starts)} starts with each of {', '.join(solvers)}")
-    for solver in solvers.values():  # programmes are built, and code compiled, before the clock runs
-        solver.solve(*starts[0])
-    answers: dict[str, list[Solution]] = {name: [] for name in solvers}
-    for problem, guess in starts:
-        for name, solver in solvers.items():
-            answers[name].append(solver.solve(problem, guess))
-    milliseconds = {
-        name: np.array([1000.0 * each.seconds for each in found]) for name, found in answers.items()
-    }
-    reference = answers[_REFERENCE]
-    found: dict[str, Any] = {"starts": len(starts), "reference": _REFERENCE}
-    for name, times in milliseconds.items():
-        pairs = [
-            (mine.objective - theirs.objective) / max(1.0, abs(theirs.objective))
-            for mine, theirs in zip(answers[name], reference, strict=True)
-            if theirs.outcome.usable
-        ]
-        gaps = np.array(pairs)
-        found[name] = {
-            "median_ms": float(np.median(times)),
-            "p99_ms": float(np.percentile(times, 99)),
-            "max_ms": float(np.max(times)),
-            "speed_up_median": float(np.median(milliseconds[_REFERENCE] / times)),
-            "usable_share": float(np.mean([each.outcome.usable for each in answers[name]])),
-            "same_share": float(np.mean(np.abs(gaps) <= _NOT_WORSE)),
-            "better": int(np.sum(gaps < -_NOT_WORSE)),
-            "worse": int(np.sum(gaps > _NOT_WORSE)),
-            "not_worse_share": float(np.mean(gaps <= _NOT_WORSE)),
-        }
-    return found
-
-
-def _sailed(
-    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver
-) -> float:
-    """Wall time of a voyage [s]."""
-    from ccas_core.sim.voyage import voyage
-
-    began = time.perf_counter()
-    for _ in voyage(scenario, rulesets, solver):
-        pass
-    return time.perf_counter() - began
+# --- text --------------------------------------------------------------------------------------
 
 
 def _show(result: Mapping[str, Any]) -> None:
     talk.show("machine: " + ", ".join(f"{key} {value}" for key, value in result["machine"].items()))
-    talk.show(f"start-up: ccas --help {result['start_up']['help_seconds']:.2f} s (least of 5)\n")
-    update, voyage = result["update"], result["voyage"]
-    rows = []
-    for name, figures in update.items():
-        if not isinstance(figures, dict):
-            continue
-        rows.append(
-            (
-                name,
-                f"{figures['median_ms']:.2f}",
-                f"{figures['p99_ms']:.2f}",
-                f"{figures['max_ms']:.2f}",
-                f"{figures['speed_up_median']:.1f}",
-                f"{100.0 * figures['usable_share']:.1f} %",
-                f"{100.0 * figures['same_share']:.1f} %",
-                str(figures["better"]),
-                str(figures["worse"]),
-                f"{voyage[name]['seconds']:.1f}",
-            )
-        )
+    memory = result["peak_memory_mib"]
     talk.show(
-        f"{update['starts']} starts of {_UPDATES}, N = 45, against {update['reference']}; voyage {_VOYAGE}"
+        f"start-up: ccas --help {result['start_up']['help_seconds']:.2f} s (least of 5)"
+        + (f"; peak memory of this run: {memory:.0f} MiB" if memory else "")
+    )
+    _show_updates(result["update"], result["voyage"])
+    if "agreement" in result:
+        _show_agreement(result["agreement"])
+    if result["scale"]:
+        _show_scale(result["scale"], result["growth"], result["cpu_growth"])
+
+
+def _show_updates(update: Mapping[str, Any], voyage: Mapping[str, Any]) -> None:
+    rows = [
+        (
+            name,
+            f"{figures['median_ms']:.2f}",
+            f"{figures['p99_ms']:.2f}",
+            f"{figures['max_ms']:.2f}",
+            f"{figures['speed_up_median']:.1f}",
+            f"{100.0 * figures['usable_share']:.1f} %",
+            *(str(figures[key]) for key in ("same", "better", "worse")),
+            f"{voyage[name]['seconds']:.1f}",
+        )
+        for name, figures in update["solvers"].items()
+    ]
+    talk.show(
+        f"\n{update['problems']} updates of {UPDATES}, N = 45, one start each, "
+        f"against {update['reference']}; voyage {VOYAGE}"
     )
     talk.show_table(
         ("solver", ">median [ms]", ">p99 [ms]", ">max [ms]", ">times faster", ">converged", ">same optimum",
          ">better", ">worse", ">voyage [s]"),
         rows,
     )  # fmt: skip
+    talk.show(
+        f"{update['solver']} from all starts, with everything around it: "
+        f"median {update['median_ms']:.2f} ms, p99 {update['p99_ms']:.2f} ms, "
+        f"{update['speed_up_all_starts_median']:.1f} times faster than one start of {update['reference']}, "
+        f"not worse in {100.0 * update['not_worse_share']:.1f} %"
+    )
+
+
+def _show_agreement(rows: Sequence[Mapping[str, Any]]) -> None:
+    count = sum(row["problems"] for row in rows)
+    talk.show(f"\n{count} problems of all shipped scenarios, riccati against ipopt from the same starts")
+    table = []
+    for row in rows:
+        for starts, figures in (("of the voyage", row), ("all", row["all_starts"])):
+            table.append(
+                (
+                    str(row["horizon"]),
+                    starts,
+                    str(figures["compared"]),
+                    *(str(figures[key]) for key in ("same", "better", "worse")),
+                    f"{100.0 * figures['not_worse_share']:.2f} %",
+                    f"{figures['worst_gap']:.1e}",
+                    str(row["outside_bounds"]),
+                )
+            )
+    talk.show_table(
+        (">N", "starts", ">compared", ">same optimum", ">better", ">worse", ">not worse", ">worst gap",
+         ">outside bounds"),
+        table,
+    )  # fmt: skip
+
+
+def _show_scale(rows: Sequence[Mapping[str, Any]], growth: float | None, cpu_growth: float | None) -> None:
+    talk.show("\nnetworks, one control period of 20 s, 3 iterations")
+    talk.show_table(
+        (">ships", ">period [s]", ">a ship [ms]", ">CPU [s]", ">first period [s]", ">encounters",
+         ">generations", ">fallbacks", ">peak memory [MiB]"),
+        [
+            (
+                str(row["ships"]),
+                f"{row['seconds']:.2f}",
+                f"{row['cost_per_ship_ms']:.2f}",
+                f"{row['cpu_seconds']:.2f}",
+                f"{row['first_seconds']:.2f}",
+                str(row["encounters"]),
+                str(row["generations"]),
+                str(row["fallbacks"]),
+                f"{row['peak_memory_mib']:.0f}" if row["peak_memory_mib"] else "-",
+            )
+            for row in rows
+        ],
+    )  # fmt: skip
+    if growth is not None:
+        talk.show(
+            f"a ship costs {growth:.2f} times as much in the largest network as in the smallest "
+            f"(CPU: {cpu_growth:.2f})"
+        )

@@ -1,9 +1,10 @@
-"""`ccas check`: all that is wrong with files, at once."""
+"""`ccas check`: all that is wrong with files, at once, and what their authors may have overlooked."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
@@ -16,9 +17,13 @@ from . import inputs, talk
 from .exits import Code
 
 if TYPE_CHECKING:
+    from ccas_core.findings import Place
     from ccas_core.plugins import Plugins
+    from ccas_core.strict_yaml import Reader
 
-Check: TypeAlias = Callable[[str, str], object]  # takes text and source, raises InputError with all findings
+# Takes text and source; gives remarks, and raises InputError with all findings.
+Check: TypeAlias = Callable[[str, str], Iterable[Diagnostic]]
+_CASES = "encounters"  # these files have no schema
 
 
 def check(
@@ -33,69 +38,144 @@ def check(
     ],
     as_json: talk.AsJson = False,
 ) -> None:
-    """Say all that is wrong with scenario files, without sailing them.
+    """Say all that is wrong with scenario files, ruleset files and encounter files, without sailing them.
 
-    Every finding has its file, line and column, what was found and what was expected. What kind of file it is
-    is told by its first key, `schema`. Exit code 2 if there are findings.
+    Every finding has its file, line and column, what was found and what was expected; one with a code has a
+    page: `ccas code CODE`. What kind of file it is is told by its first key, `schema`; encounter files have
+    none. Exit code 2 if a file cannot be used, 1 if there are only remarks, on rules without a test and the
+    like.
 
     Example:
         ccas check scenarios/ my_own.yaml
     """
     checks = _checks(inputs.load_plugins(context))
     findings: list[Diagnostic] = []
+    remarks: list[Diagnostic] = []
     count = 0
     for path in paths:
         files = sorted(path.rglob("*.yaml")) if path.is_dir() else [path]
         if not files:
-            hint = "a scenario is a file that ends in .yaml"
+            hint = "a scenario, a ruleset or a file of encounters ends in .yaml"
             findings.append(Diagnostic(source=str(path), message="no *.yaml file in this folder", hint=hint))
         count += len(files)
-        findings += (finding for file in files for finding in _findings(file, checks))
-    if as_json:
-        talk.show_json([dataclasses.asdict(finding) for finding in findings])
-    else:
-        for finding in findings:
-            talk.show(str(finding))
-        what = talk.one_or_more(len(findings), "finding") if findings else "nothing is wrong"
-        talk.note(f"{talk.one_or_more(count, 'file')} read: {what}")
+        for file in files:
+            told = list(_told(file, checks, remarks))
+            findings += told
+    _show(findings, remarks, count, as_json=as_json)
     if findings:
         raise typer.Exit(Code.WRONG_USE)
+    if remarks:
+        raise typer.Exit(Code.FINDINGS)
+
+
+def _show(findings: list[Diagnostic], remarks: list[Diagnostic], count: int, *, as_json: bool) -> None:
+    if as_json:
+        errors = [{**dataclasses.asdict(each), "severity": "error"} for each in findings]
+        doubts = [{**dataclasses.asdict(each), "severity": "remark"} for each in remarks]
+        talk.show_json([*errors, *doubts])
+        return
+    for finding in (*findings, *remarks):
+        talk.show(str(finding))
+    counts = [
+        talk.one_or_more(len(found), word)
+        for found, word in ((findings, "finding"), (remarks, "remark"))
+        if found
+    ]
+    talk.note(f"{talk.one_or_more(count, 'file')} read: {' and '.join(counts) or 'nothing is wrong'}")
 
 
 def _checks(plugins: Plugins) -> dict[str, Check]:
     """How to check a file, by its schema."""
     from ccas_core.sim import scenario_file
+    from ccas_core.tapd import tests_file
+    from ccas_core.tapd.ruleset_draft import SCHEMA
 
-    return {scenario_file.SCHEMA: partial(scenario_file.parse_scenario, rulesets=plugins.rulesets)}
+    scenario = partial(
+        scenario_file.parse_scenario,
+        rulesets=plugins.rulesets,
+        regions=plugins.regions,
+        vocabulary=plugins.vocabulary,
+    )
+
+    def check_scenario(text: str, source: str) -> Iterable[Diagnostic]:
+        scenario(text, source)
+        return ()
+
+    return {
+        scenario_file.SCHEMA: check_scenario,
+        SCHEMA: partial(_check_ruleset, plugins),
+        tests_file.SCHEMA: partial(_check_tests, plugins),
+        _CASES: partial(_check_cases, plugins),
+    }
 
 
-def _findings(file: Path, checks: Mapping[str, Check]) -> Iterator[Diagnostic]:
+def _check_ruleset(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:
+    from ccas_core.tapd.lint import reviewed
+    from ccas_core.tapd.written import WrittenRuleset
+
+    found = plugins.rulesets.parsed(text, source)
+    today = datetime.now(tz=UTC).date()
+    return reviewed(found, text, today) if isinstance(found, WrittenRuleset) else ()
+
+
+def _check_tests(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:
+    from ccas_core.tapd.tests_file import parse_tests
+
+    parse_tests(text, source, plugins.vocabulary)
+    return ()
+
+
+def _check_cases(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:
+    from ccas_core.strict_yaml import Reader
+    from ccas_core.tapd.case_file import parse_cases
+    from ccas_core.tapd.lint import case_remarks
+
+    found = parse_cases(text, source, plugins.vocabulary)
+    if found.findings:
+        raise InputError(*found.findings)
+    return case_remarks(Reader(text, source), plugins.rulesets)
+
+
+def _told(file: Path, checks: Mapping[str, Check], remarks: list[Diagnostic]) -> Iterator[Diagnostic]:
+    """Findings in a file; what it may be used with all the same goes to the remarks."""
     from ccas_core.findings import read_text
+    from ccas_core.tapd.code_pages import coded
 
     try:
         text = read_text(file)
-        _check_for(text, str(file), checks)(text, str(file))
+        remarks += _check_for(text, str(file), checks)(text, str(file))
     except InputError as error:
-        yield from error.diagnostics
+        yield from map(coded, error.diagnostics)
 
 
 def _check_for(text: str, source: str, checks: Mapping[str, Check]) -> Check:
     """Choose by the schema; a file that names none is left to the first check, which says what to write."""
     from ccas_core.strict_yaml import Reader
+    from ccas_core.tapd.case_file import is_case_file
+
+    reader = Reader(text, source)
+    if is_case_file(reader):
+        return checks[_CASES]
+    schema = _schema(reader)
+    if schema is None:
+        return next(iter(checks.values()))
+    known = [each for each in checks if each != _CASES]
+    place, name = schema
+    if name not in known:
+        hint = did_you_mean(name, known)
+        reader.stop(
+            place,
+            f"unknown schema '{name}'",
+            expected=f"one of {', '.join(known)}",
+            hint=hint if "mean" in hint else "",
+            width=len(name),
+        )
+    return checks[name]
+
+
+def _schema(reader: Reader) -> tuple[Place, str] | None:
     from ccas_core.yaml_nodes import Mapping as Keys
     from ccas_core.yaml_nodes import Scalar
 
-    reader = Reader(text, source)
-    first = next(iter(checks.values()))
     schema = reader.block(reader.root).find("schema") if isinstance(reader.root, Keys) else None
-    if not isinstance(schema, Scalar):
-        return first
-    if schema.text not in checks:
-        hint = did_you_mean(schema.text, checks)
-        reader.stop(
-            schema,
-            f"unknown schema '{schema.text}'",
-            expected=f"one of {', '.join(checks)}",
-            hint=hint if "mean" in hint else "",
-        )
-    return checks[schema.text]
+    return (schema, schema.text) if isinstance(schema, Scalar) else None

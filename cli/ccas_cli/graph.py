@@ -18,6 +18,7 @@ class Format(StrEnum):
 
     TEXT = "text"
     DOT = "dot"
+    SVG = "svg"
     JSON = "json"
 
 
@@ -26,7 +27,10 @@ def graph(
     scenario: inputs.ScenarioName,
     ruleset: inputs.RulesetId = None,
     form: Annotated[
-        Format, typer.Option("--format", help="Text, Graphviz (dot), or JSON.", case_sensitive=False)
+        Format,
+        typer.Option(
+            "--format", help="Text, Graphviz (dot), a drawing (svg), or JSON.", case_sensitive=False
+        ),
     ] = Format.TEXT,
     as_json: Annotated[bool, typer.Option("--json", help="The same as --format json.")] = False,
 ) -> None:
@@ -37,7 +41,7 @@ def graph(
     open them, and by which criterion.
 
     Example:
-        ccas graph tran2026/fig_12 --format dot | dot -Tsvg > fig_12.svg
+        ccas graph tran2026/fig_12 --format svg > fig_12.svg
     """
     from .start import graph_at_start, world_at_start
 
@@ -49,6 +53,10 @@ def graph(
         talk.show_json({"scenario": found.name, "time_s": world.time, **_as_json(priority)})
     elif form is Format.DOT:
         talk.show(_as_dot(found.name, priority))
+    elif form is Format.SVG:
+        from .graph_svg import as_svg
+
+        talk.show(as_svg(found.name, priority))
     else:
         _show_text(priority)
 

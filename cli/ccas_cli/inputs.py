@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import os
+import warnings
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
 from . import talk
 
 if TYPE_CHECKING:
+    from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
     from ccas_core.sweep.spec import Sweep
+
+PLUGINS: Final = "CCAS_PLUGINS"  # environment variable with the names of the plugins that may be loaded
 
 ScenarioName: TypeAlias = Annotated[
     str,
@@ -28,15 +33,19 @@ RulesetId: TypeAlias = Annotated[
     typer.Option(
         "--ruleset",
         metavar="ID",
-        help="Ruleset of the waters, in place of the scenario's; regions keep theirs. "
-        "`ccas rulesets` lists them.",
+        help="Ruleset of the waters, in place of the scenario's: an id (`ccas rulesets` lists them) or the "
+        "path of a file. Regions keep theirs.",
         show_default=False,
     ),
 ]
 SolverName: TypeAlias = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--solver", metavar="NAME", help="Solver of the ships' local problems: riccati, fatrop or ipopt."
+        "--solver",
+        metavar="NAME",
+        help="Solver of the ships' local problems: riccati, which is the default where numba is installed, "
+        "fatrop or ipopt.",
+        show_default=False,
     ),
 ]
 
@@ -50,12 +59,47 @@ def load_plugins(context: typer.Context) -> Plugins:
     return found
 
 
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What was asked of plugins before the name of the command."""
+
+    trace: bool = False
+    none: bool = False  # but those that come with ccas
+
+    @property
+    def only(self) -> frozenset[str] | None:
+        """Names of the plugins that may be loaded; None: all."""
+        if self.none:
+            return frozenset()
+        names = os.environ.get(PLUGINS)
+        return None if names is None else frozenset(filter(None, (each.strip() for each in names.split(","))))
+
+
 def ask_plugins(context: typer.Context) -> Plugins:
     """Load all plugins, for a command that tells itself what was left out."""
     from ccas_core import plugins
 
-    trace = (lambda line: talk.note(f"hook: {line}")) if context.obj else None
-    return plugins.load(trace=trace)
+    wanted = context.obj if isinstance(context.obj, Wanted) else Wanted()
+    trace = (lambda line: talk.note(f"hook: {line}")) if wanted.trace else None
+    found = plugins.load(trace=trace, only=wanted.only)
+    for name in sorted(
+        (wanted.only or frozenset()) - found.loaded.keys() - {f.plugin for f in found.failures}
+    ):
+        talk.note(f"{PLUGINS}: there is no plugin {name!r}")
+    return found
+
+
+def ready_solver(name: str | None, *, quiet: bool = False) -> AbstractLocalSolver:
+    """Make a solver, the default one unless it is named; what takes a while is told on stderr."""
+    from ccas_core.dmpc.solvers import make_solver
+
+    with warnings.catch_warnings(record=True) as remarks:
+        warnings.simplefilter("always", RuntimeWarning)
+        solver = make_solver(name)
+    for remark in remarks:
+        talk.note(str(remark.message))
+    solver.prepare(None if quiet else talk.note)
+    return solver
 
 
 def scenario_file(name: str) -> Path:
@@ -87,9 +131,10 @@ def read_scenario(name: str, plugins: Plugins, ruleset: str | None = None) -> Sc
     """Read a scenario whose rulesets are all known; `ruleset` replaces that of the waters."""
     from ccas_core.sim.scenario_file import load_scenario
 
-    if ruleset is not None:
-        plugins.ruleset(ruleset)  # refuses one that is not known, before the file is read
-    scenario = load_scenario(scenario_file(name), plugins.rulesets)
-    if ruleset is None:
+    chosen = None if ruleset is None else plugins.ruleset(ruleset)  # before the file, for it may name it
+    scenario = load_scenario(
+        scenario_file(name), plugins.rulesets, regions=plugins.regions, vocabulary=plugins.vocabulary
+    )
+    if chosen is None:
         return scenario
-    return replace(scenario, waters=replace(scenario.waters, ruleset=ruleset))
+    return replace(scenario, waters=replace(scenario.waters, ruleset=chosen.id))

@@ -10,17 +10,42 @@ from typing import Annotated, Final
 
 import typer
 
-from . import bench, check, explain, graph, plugins, reproduce, rulesets, scenarios, simulate, sweep
+from . import (
+    bench,
+    check,
+    codes,
+    consistency,
+    diff,
+    explain,
+    facts,
+    graph,
+    inputs,
+    new,
+    plugins,
+    reproduce,
+    rulesets,
+    scenarios,
+    schema,
+    simulate,
+    sweep,
+    testing,
+)
 from .exits import answered
 
 COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     simulate.simulate,
     check.check,
+    codes.code,
+    testing.test,
+    consistency.check_consistency,
     graph.graph,
     explain.explain,
+    diff.diff,
     scenarios.scenarios,
     rulesets.rulesets,
+    facts.facts,
     plugins.plugins,
+    schema.schema,
     reproduce.reproduce,
     sweep.sweep,
     bench.bench,
@@ -43,6 +68,13 @@ def ccas(
     trace_hooks: Annotated[
         bool, typer.Option("--trace-hooks", help="Say on stderr which plugin answered which hook with what.")
     ] = False,
+    no_plugins: Annotated[
+        bool,
+        typer.Option(
+            "--no-plugins",
+            help="Load none but those that come with ccas. CCAS_PLUGINS=a,b loads just these besides.",
+        ),
+    ] = False,
     version: Annotated[  # noqa: ARG001 - its callback does it
         bool,
         typer.Option("--version", help="Show the version and exit.", callback=_show_version, is_eager=True),
@@ -58,7 +90,7 @@ def ccas(
         ccas simulate tran2026/fig_12 --out runs/fig_12
         ccas explain tran2026/fig_12
     """
-    context.obj = trace_hooks
+    context.obj = inputs.Wanted(trace=trace_hooks, none=no_plugins)
 
 
 def _manual(command: Callable[..., None]) -> str:
@@ -69,6 +101,14 @@ def _manual(command: Callable[..., None]) -> str:
 app.callback(help=_manual(ccas))(ccas)
 for _command in COMMANDS:
     app.command(help=_manual(_command), short_help=_manual(_command).partition("\n")[0])(answered(_command))
+
+
+_new = typer.Typer(
+    help="Write a ruleset file, or a plugin, to begin with.", no_args_is_help=True, rich_markup_mode=None
+)
+for _command in (new.ruleset, new.plugin):
+    _new.command(help=_manual(_command), short_help=_manual(_command).partition("\n")[0])(answered(_command))
+app.add_typer(_new, name="new")
 
 
 def main() -> None:

@@ -21,7 +21,7 @@ def reproduce(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where pictures go.")] = Path(
         "reproduction"
     ),
-    solver: inputs.SolverName = "fatrop",
+    solver: inputs.SolverName = None,
     as_json: talk.AsJson = False,
 ) -> None:
     """Sail the paper's cases anew, draw its figures, and check what its text claims.
@@ -33,16 +33,14 @@ def reproduce(
         ccas reproduce fig-12 --out pictures
         ccas reproduce all --solver ipopt
     """
-    from ccas_core.dmpc.solvers import make_solver
     from ccas_core.errors import Diagnostic, InputError, did_you_mean
 
     if case != "all" and case not in CASES:
         hint = did_you_mean(case, [*CASES, "all"])
         raise InputError(Diagnostic(source="reproduce", message=f"unknown case {case!r}", hint=hint))
     rulesets = inputs.load_plugins(context).rulesets
-    made = Reproduction(
-        rulesets=rulesets, solver_name=solver, solver=make_solver(solver), out=out, json=as_json
-    )
+    ready = inputs.ready_solver(solver)
+    made = Reproduction(rulesets=rulesets, solver_name=ready.name, solver=ready, out=out, json=as_json)
     for name, do in CASES.items():
         if case in (name, "all"):
             do(made)
@@ -53,7 +51,7 @@ def reproduce(
             for name, found in made.findings.items()
         }
         talk.show_json(
-            {"case": case, "solver": solver, "data": made.data, "claims": claims, "failed": failed}
+            {"case": case, "solver": ready.name, "data": made.data, "claims": claims, "failed": failed}
         )
     else:
         talk.show(f"\n{sum(map(len, made.findings.values()))} claims, {failed} failed")

@@ -13,13 +13,15 @@ from types import FrameType
 from typing import Any, Protocol
 
 from ccas_core.dmpc.solvers import AbstractLocalSolver
+from ccas_core.plugin_failures import Failure
+from ccas_core.plugins import Plugins
+from ccas_core.sim.events import events_between, failed_rulesets
 from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import summary
 from ccas_core.sim.run_folder import RunWriter
 from ccas_core.sim.scenario import Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.voyage import undisturbed_times, voyage
-from ccas_core.tapd.ruleset import AbstractRuleset
 
 from . import talk
 
@@ -33,15 +35,22 @@ class Watcher(Protocol):
     def stopping(self) -> None:
         """Take note that the voyage ends after the present period."""
 
+    def failed(self, failure: Failure) -> None:
+        """Take note that something of a plugin does not work."""
+
 
 class Silence:
-    """A watcher that says nothing."""
+    """A watcher that says nothing, but what does not work."""
 
     def sailed(self, frame: Frame) -> None:
         """Say nothing of a frame."""
 
     def stopping(self) -> None:
         """Say nothing of the end."""
+
+    def failed(self, failure: Failure) -> None:
+        """Say what does not work."""
+        talk.note(str(failure))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,13 +77,13 @@ class Sailed:
 
 def sail(
     scenario: Scenario,
-    rulesets: Mapping[str, AbstractRuleset],
+    plugins: Plugins,
     solver_name: str,
     solver: AbstractLocalSolver,
     folder: Path,
     watcher: Watcher | None = None,
 ) -> Sailed:
-    """Sail a scenario into a run folder.
+    """Sail a scenario into a run folder; plugins that observe are told what happens.
 
     Ctrl-C ends the voyage after the present period, a second one at once; either way what was sailed
     is kept, and its summary says `interrupted`.
@@ -88,11 +97,14 @@ def sail(
     """
     watch = watcher or Silence()
     frames: list[Frame] = []
-    with RunWriter(folder, scenario, dump_scenario(scenario)) as writer:
+    lookout = _Lookout(plugins)
+    with RunWriter(folder, scenario, dump_scenario(scenario, plugins.vocabulary)) as writer:
         with _ctrl_c(watch) as stop:
             try:
-                for frame in voyage(scenario, rulesets, solver):
+                for frame in voyage(scenario, plugins.rulesets, solver):
                     writer.write(frame)
+                    for failure in lookout.failures(frames[-1] if frames else None, frame):
+                        watch.failed(failure)
                     frames.append(frame)
                     watch.sailed(frame)
                     if stop.is_set():
@@ -108,6 +120,32 @@ def sail(
     return Sailed(
         scenario=scenario, frames=tuple(frames), folder=folder, summary=found, interrupted=stop.is_set()
     )
+
+
+class _Lookout:
+    """Tells observers what happens, and finds what does not work: each fault once."""
+
+    def __init__(self, plugins: Plugins) -> None:
+        self._plugins, self._observers = plugins, plugins.observers()
+        self._known: set[str] = set()
+
+    def failures(self, before: Frame | None, frame: Frame) -> Iterator[Failure]:
+        for event in events_between(before, frame):
+            yield from self._observers.tell(event)
+        yield from self._plugins.troubles.fresh()
+        for ruleset, cause in failed_rulesets(frame):
+            if ruleset in self._known:
+                continue
+            self._known.add(ruleset)
+            owner = self._plugins.owners.get(ruleset, "")
+            yield Failure(
+                plugin=owner,
+                target=f"ruleset {ruleset!r}",
+                cause=cause,
+                effect="both ships give way by the safe mutual rule",
+                package=self._plugins.packages.get(owner, ""),
+                whole=False,
+            )
 
 
 def _cut_short(found: Mapping[str, Any]) -> dict[str, Any]:
@@ -174,6 +212,9 @@ def _bar(scenario: Scenario) -> Iterator[Watcher]:
                 count = len(frame.ships.keys() - frame.arrived.keys())
                 state = f"{frame.time:.0f} s, {talk.one_or_more(count, 'ship')} under way"
                 progress.update(task, completed=min(frame.time, total), state=state)
+
+            def failed(self, failure: Failure) -> None:
+                progress.console.print(str(failure))
 
             def stopping(self) -> None:
                 progress.update(task, description="stopping after this period; Ctrl-C again: at once")

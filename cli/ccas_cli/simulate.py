@@ -13,11 +13,9 @@ from . import inputs, talk
 from .exits import Code
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ccas_core.dmpc.solvers import AbstractLocalSolver
+    from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
-    from ccas_core.tapd.ruleset import AbstractRuleset
 
     from .sailing import Sailed
 
@@ -28,16 +26,7 @@ def simulate(
     context: typer.Context,
     scenario: inputs.ScenarioName,
     ruleset: inputs.RulesetId = None,
-    solver: Annotated[
-        str | None,
-        typer.Option(
-            "--solver",
-            metavar="NAME",
-            help="Solver of the ships' local problems: riccati, fatrop or ipopt. "
-            "Which one was used stands in summary.json.",
-            show_default=False,
-        ),
-    ] = None,
+    solver: inputs.SolverName = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -61,15 +50,12 @@ def simulate(
     Example:
         ccas simulate tran2026/fig_12 --ruleset tran2026 --out runs/fig_12
     """
-    from ccas_core.dmpc.solvers import DEFAULT_SOLVER, make_solver
-
     from .voyage_table import show_pictures, show_summary
 
     plugins = inputs.load_plugins(context)
     found = inputs.read_scenario(scenario, plugins, ruleset)
-    name = solver or DEFAULT_SOLVER
-    local_solver = make_solver(name)
-    sailed = _sail(found, plugins.rulesets, (name, local_solver), out or default_folder(found.name), quiet)
+    local_solver = inputs.ready_solver(solver, quiet=quiet)
+    sailed = _sail(found, plugins, local_solver, out or default_folder(found.name), quiet)
     if as_json:
         talk.show_json(sailed.summary)
     else:
@@ -96,8 +82,8 @@ def default_folder(name: str) -> Path:
 
 def _sail(
     scenario: Scenario,
-    rulesets: Mapping[str, AbstractRuleset],
-    solver: tuple[str, AbstractLocalSolver],
+    plugins: Plugins,
+    solver: AbstractLocalSolver,
     folder: Path,
     quiet: bool,
 ) -> Sailed:
@@ -105,7 +91,7 @@ def _sail(
 
     began = time.perf_counter()
     with watched(scenario, quiet=quiet) as watcher:
-        sailed = sail(scenario, rulesets, *solver, folder, watcher)
+        sailed = sail(scenario, plugins, solver.name, solver, folder, watcher)
     if not quiet:
         seconds = time.perf_counter() - began
         talk.note(f"{scenario.name}: sailed {sailed.until:.0f} s in {seconds:.1f} s")

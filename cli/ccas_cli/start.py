@@ -5,31 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import combinations
 
-from ccas_core.priority import PriorityGraph, Settlement, settle
+from ccas_core.priority import LIGHTEST_FIRST, PriorityGraph, Settlement, settle
 from ccas_core.ships import ShipId
-from ccas_core.sim.scenario import Scenario
+from ccas_core.sim.start import world_at_start
 from ccas_core.tapd.assign import judged
 from ccas_core.tapd.ruleset import AbstractRuleset, Situation
 from ccas_core.verdict import Kind
-from ccas_core.waterway import guiding_line
-from ccas_core.world import ShipReport, World
+from ccas_core.world import World
 
-
-def world_at_start(scenario: Scenario) -> World:
-    """Chart and reports of all ships, before any of them has moved."""
-    reports = {}
-    for plan in scenario.ships:
-        line = guiding_line(scenario.waters, plan.route)
-        leg = line.leg_at(line.frame.to_path(plan.start).x)
-        reports[plan.ship.id] = ShipReport(
-            ship=plan.ship,
-            pose=plan.start,
-            speed=plan.speed,
-            waterway=leg.waterway,
-            towards=leg.towards,
-            ruleset=scenario.waters.ruleset_at(plan.start),
-        )
-    return World(time=0.0, waters=scenario.waters, reports=reports)
+__all__ = ["graph_at_start", "masses_of", "meets", "settlements_at_start", "world_at_start"]
 
 
 def settlements_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) -> tuple[Settlement, ...]:
@@ -48,7 +32,14 @@ def settlements_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) 
 def graph_at_start(world: World, rulesets: Mapping[str, AbstractRuleset]) -> PriorityGraph:
     """Priority graph that the ships make of their verdicts."""
     met = (each for each in settlements_at_start(world, rulesets) if meets(each))
-    return PriorityGraph(masses=masses_of(world), settlements=tuple(met))
+    ranks = {id_: rulesets[report.ruleset].rank(report.ship) for id_, report in world.reports.items()}
+    criteria = {rulesets[report.ruleset].criterion for report in world.reports.values()}
+    return PriorityGraph(
+        masses=masses_of(world),
+        settlements=tuple(met),
+        ranks=ranks,
+        criterion=" or ".join(sorted(criteria)) or LIGHTEST_FIRST,
+    )
 
 
 def meets(settlement: Settlement) -> bool:

@@ -44,7 +44,7 @@ class Decreed(PairRuleset):
 
     def judge(self, facts: PairFacts) -> Verdict:
         """Judge by name."""
-        own, other = facts.own.id, facts.other.id
+        own, other = facts.own, facts.other
         kind = Kind.NONE
         if (own, other) in self._duties:
             kind = Kind.GIVE_WAY

@@ -48,7 +48,7 @@ class Broken(Decreed):
 
     def judge(self, facts: PairFacts) -> Verdict:
         """Raise."""
-        raise ZeroDivisionError(f"no rule for {facts.other.id}")
+        raise ZeroDivisionError(f"no rule for {facts.other}")
 
 
 class Deaf(Bus):

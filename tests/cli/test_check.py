@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from . import TWO_SHIPS, ccas
+from .test_cases import CASES, RULESET
 
 
 def test_file_that_is_well_has_no_findings(two_ships: Path) -> None:
@@ -36,8 +39,9 @@ def test_findings_are_shown_with_their_place_and_a_hint(two_ships: Path) -> None
     done = ccas("check", two_ships)
 
     assert done.exit_code == 2
-    assert f"{two_ships}:25:24: unknown key 'iteration'" in done.stdout
+    assert f"{two_ships}:25:24: [E101] unknown key 'iteration'" in done.stdout
     assert "did you mean 'iterations'?" in done.stdout
+    assert "    |                        ^^^^^^^^^\n" in done.stdout
 
 
 def test_unknown_schema_is_told_with_what_was_probably_meant(two_ships: Path) -> None:
@@ -71,3 +75,94 @@ def test_file_that_is_not_there_is_a_finding(tmp_path: Path) -> None:
 
     assert done.exit_code == 2
     assert "No such file" in json.loads(done.stdout)[0]["message"]
+
+
+def test_ruleset_that_can_be_used_has_remarks_and_ends_with_1(tmp_path: Path) -> None:
+    file = tmp_path / "example.yaml"
+    file.write_text(RULESET, encoding="utf-8")
+
+    done = ccas("check", file)
+
+    assert done.exit_code == 1
+    assert done.stdout.splitlines() == [
+        f"{file}:12:9: [R107] rule 'never-tested' has no test",
+        " 12 |   - id: never-tested",
+        "    |         ^^^^^^^^^^^^",
+        "    hint: write one under 'tests', with 'expect: {by: never-tested, …}'",
+    ]
+    assert done.stderr == "1 file read: 1 remark\n"
+
+
+def test_ruleset_that_cannot_be_used_has_errors_with_codes_and_ends_with_2(tmp_path: Path) -> None:
+    file = tmp_path / "example.yaml"
+    wrong = RULESET.replace("has_other_on_starboard ==", "has_other_on_starbord ==")
+    file.write_text(wrong.replace("when: head_on", "when: head_on and own.length > 20"), encoding="utf-8")
+
+    done = ccas("check", file, "--json")
+
+    found = json.loads(done.stdout)
+    assert done.exit_code == 2
+    assert [(each["code"], each["line"], each["severity"]) for each in found] == [
+        ("E103", 10, "error"),
+        ("E104", 14, "error"),
+    ]
+    assert found[0]["width"] == len("has_other_on_starbord")
+    assert found[0]["hint"] == "did you mean 'has_other_on_starboard'?"
+    assert RULESET.splitlines()[9].startswith(found[0]["excerpt"][: found[0]["column"] - 1])
+
+
+def test_carets_stand_under_the_whole_of_what_is_meant(tmp_path: Path) -> None:
+    file = tmp_path / "example.yaml"
+    file.write_text(RULESET.replace("when: head_on", "when: head_on and own.length > 20"), encoding="utf-8")
+
+    lines = ccas("check", file).stdout.splitlines()
+
+    marked = {lines[2][n] for n in range(len(lines[2])) if lines[1][n : n + 1] and lines[2][n] == "^"}
+    begin, end = lines[2].index("^"), lines[2].rindex("^") + 1
+    assert marked == {"^"}
+    assert lines[1][begin:end] == "own.length > 20"
+
+
+def test_encounter_file_is_checked(tmp_path: Path) -> None:
+    file = tmp_path / "cases.yaml"
+    file.write_text(CASES, encoding="utf-8")
+    well = ccas("check", file)
+    file.write_text(CASES.replace("length_m: 85.0}, B", "lenght_m: 85.0}, B", 1), encoding="utf-8")
+    wrong = ccas("check", file)
+    file.write_text(CASES.replace("tran2026:", "tran2062:"), encoding="utf-8")
+    unknown = ccas("check", file)
+
+    assert (well.exit_code, wrong.exit_code, unknown.exit_code) == (0, 2, 1)
+    assert "[E103] unknown fact of a ship 'lenght_m'" in wrong.stdout
+    assert "did you mean 'length_m'?" in wrong.stdout
+    assert f"{file}:7:5: [R113] ruleset 'tran2062' is not installed" in unknown.stdout
+
+
+def test_shipped_rulesets_can_be_used() -> None:
+    import ccas_rulesets
+
+    done = ccas("check", Path(str(ccas_rulesets.__file__)).parent, "--json")
+
+    assert [each for each in json.loads(done.stdout) if each["severity"] == "error"] == []
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"", "the file is empty"),
+        (bytes(range(256)), "is not UTF-8"),
+        (b"schema: ccas/ruleset@1\n", "the key 'id' is missing here"),
+        (b"schema: [1]\n", "expected: ccas/scenario@1"),
+        (b"golden_cases: {}\n", "got keys with values"),
+        (b"cases:\n- 3\n", "got '3'"),
+        (b"- 1\n", "the file holds a list"),
+    ],
+)
+def test_nonsense_is_a_finding(content: bytes, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "nonsense.yaml"
+    file.write_bytes(content)
+
+    done = ccas("check", file)
+
+    assert done.exit_code == 2
+    assert told in done.stdout

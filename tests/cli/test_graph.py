@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -20,7 +21,7 @@ def test_graph_tells_edges_with_their_source(two_ships: Path) -> None:
     (edge,) = found["edges"]
     assert (edge["first"], edge["then"], edge["kind"]) == ("ship_1", "ship_2", "duty")
     assert (edge["ruleset"], edge["article"]) == ("tran2026", ARTICLE)
-    assert edge["reason"] == "the ship that comes from port gives way"
+    assert edge["reason"] == "The ship that comes from port gives way"
     assert found["generations"] == [["ship_1"], ["ship_2"]]
     assert (found["cycles"], found["openings"], found["without_edge"]) == ([], [], [])
 
@@ -52,6 +53,40 @@ def test_graph_in_the_language_of_graphviz_keeps_hard_names(two_ships: Path) -> 
 
     assert done.stdout.startswith('digraph "two ships cross" {')
     assert '"a \\"b\\" [red]" -> "ship_2"' in done.stdout
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def drawn(*arguments: object) -> ET.Element:
+    done = ccas("graph", *map(str, arguments), "--format", "svg")
+    assert done.exit_code == 0
+    return ET.fromstring(done.stdout)  # noqa: S314 - our own text
+
+
+def test_graph_is_drawn_with_a_column_for_each_generation(two_ships: Path) -> None:
+    svg = drawn(two_ships)
+
+    texts = [each.text for each in svg.iter(f"{SVG}text")]
+    (path,) = (each for each in svg.iter(f"{SVG}path") if "edge" in each.get("class", ""))
+    assert texts[:2] == ["ship_1", "ship_2"]
+    assert texts[2] == "Sec. 3.1, crossing"
+    assert (path.get("class"), path.get("marker-end")) == ("edge duty", "url(#arrow)")
+    assert "prefers-color-scheme: dark" in (svg.findtext(f"{SVG}style") or "")
+
+
+def test_drawing_shows_what_was_left_out_and_where_both_act() -> None:
+    kinds = [each.get("class") for each in drawn("tran2026/fig_14").iter(f"{SVG}path") if each.get("class")]
+
+    assert kinds.count("edge duty opened") == 1
+    assert kinds.count("edge mutual") == 2
+    assert kinds.count("edge duty") == 3
+
+
+def test_drawing_keeps_hard_names(two_ships: Path) -> None:
+    two_ships.write_text(TWO_SHIPS.replace("id: ship_1", "id: '<a> & \"b\"'"), encoding="utf-8")
+
+    assert '<a> & "b"' in [each.text for each in drawn(two_ships).iter(f"{SVG}text")]
 
 
 def test_hard_names_stay_as_they_are_in_text(two_ships: Path) -> None:
@@ -93,8 +128,8 @@ def test_explanation_as_text_says_the_same(two_ships: Path) -> None:
 
     assert "ship_1 and ship_2: crossing: ship_1 gives way, ship_2 stands on" in text
     assert ARTICLE in text
-    assert "because the ship that comes from port gives way" in text
-    assert "tcpa_s" in text
+    assert "because The ship that comes from port gives way" in text
+    assert "ship_1.time_to_intersection < 900 s" in text
 
 
 def test_explanation_of_one_pair_is_of_that_pair() -> None:

@@ -17,7 +17,7 @@ from ccas_core.dmpc.solvers import SOLVERS
 from . import MAIN, ccas, ccas_alone
 
 HEAVY = ("casadi", "numpy", "matplotlib", "networkx", "numba", "scipy", "shapely", "pyproj", "rich", "yaml")
-NAMES = [command.__name__ for command in COMMANDS]
+NAMES = [command.__name__.replace("_", "-") for command in COMMANDS]
 
 
 @pytest.mark.parametrize("command", ["", *NAMES])

@@ -35,7 +35,7 @@ FAULTS = (
         "5:12: unknown ruleset 'tran2062'",
         "did you mean 'tran2026'?",
     ),
-    ("regions: []", REGION, "6:34: unknown ruleset 'ccnrr'", "known: "),
+    ("regions: []", REGION, "6:34: unknown ruleset 'ccnrr'", "did you mean 'ccnr'?"),
     ("start: [-300, 0]", "start: [-300, 90]", "16:12: the ship starts outside", "90 m off a centreline"),
     ("time: {step", "time: {\tstep: 1 s}\n\t{", "4:1: a tab in the indentation", "indent with spaces"),
     ("time: {step: 20 s}", "time: {step: 20 s", "4:7: not YAML", "close the bracket"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -395,3 +396,25 @@ def test_a_guess_of_another_horizon_is_refused(riccati: Riccati) -> None:
 
     with pytest.raises(ValueError, match="guesses are"):
         riccati.solve(problem, np.zeros((3, 2)))
+
+
+# --- compiling ---------------------------------------------------------------------------------
+
+
+def test_compiling_is_told_the_first_time_and_then_never_again(tmp_path: Path) -> None:
+    code = (
+        "from ccas_core.dmpc.solvers import make_solver\n"
+        "told = []\n"
+        "make_solver('riccati').prepare(told.append)\n"
+        "print(len(told), *told, sep='|')\n"
+    )
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    first, second = (
+        subprocess.run(
+            [sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True
+        ).stdout
+        for _ in range(2)
+    )
+
+    assert first.startswith("2|compiling solver riccati for this machine; that is done once")
+    assert second == "0\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,16 @@ from ccas_core.dmpc.local_problem import LocalProblem, Solution
 from ccas_core.dmpc.model import objective, rollout
 from ccas_core.dmpc.outcome import Outcome
 from ccas_core.dmpc.parameters import Start
-from ccas_core.dmpc.solvers import SOLVERS, AbstractLocalSolver, Fatrop, Ipopt, _Programme, make_solver, slots
+from ccas_core.dmpc.solvers import (
+    SOLVERS,
+    AbstractLocalSolver,
+    Fatrop,
+    Ipopt,
+    _Programme,
+    default_solver,
+    make_solver,
+    slots,
+)
 from ccas_core.errors import InputError
 from ccas_core.frames import FloatArray
 
@@ -296,3 +306,28 @@ def test_unknown_solver_is_refused_with_a_hint() -> None:
     (finding,) = caught.value.diagnostics
     assert finding.message == "unknown solver 'iopt'"
     assert finding.hint == "did you mean 'ipopt'?"
+
+
+# --- the default
+
+
+@pytest.fixture
+def no_numba(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setitem(sys.modules, "numba", None)
+    default_solver.cache_clear()
+    yield
+    default_solver.cache_clear()
+
+
+def test_riccati_is_the_default_where_numba_is_installed() -> None:
+    default_solver.cache_clear()
+
+    assert make_solver().name == "riccati"
+
+
+def test_without_numba_fatrop_is_the_default_and_says_so_once(no_numba: None) -> None:
+    with pytest.warns(RuntimeWarning, match="numba is not installed: solver 'fatrop' stands in") as remarks:
+        names = [make_solver().name, make_solver().name]
+
+    assert names == ["fatrop", "fatrop"]
+    assert len(remarks) == 1

@@ -15,10 +15,13 @@ from hypothesis import strategies as st
 from ccas_core.dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
 from ccas_core.errors import Diagnostic, ScenarioError
 from ccas_core.frames import NedPose
-from ccas_core.ships import UNKNOWN, Hull, Ship, ShipId
+from ccas_core.quantities import MASS
+from ccas_core.ships import UNKNOWN, FactValue, Hull, Ship, ShipId
 from ccas_core.sim.scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import load_scenario, parse_scenario
+from ccas_core.tapd.vocabulary import VOCABULARY, Fact, Scope, Source
+from ccas_core.tapd.vocabulary import Kind as FactKind
 from ccas_core.units import DEGREE
 from ccas_core.waterway import Leg, Obstacle, Region, Towards, Waters, Waterway
 
@@ -33,7 +36,7 @@ waters:
     - {id: north, ruleset: ccnr, polygon: [[-4000, 500], [4000, 500], [4000, 4000], [-4000, 4000]]}
   waterways:
     - {id: canal, centreline: [[-3000, 0], [3000, 0]], width: 160 m, upstream: none}
-    - {id: river, centreline: [[0, -3000], [0, 3000]], width: 0.16 km, upstream: end, facts: {tidal: no}}
+    - {id: river, centreline: [[0, -3000], [0, 3000]], width: 0.16 km, upstream: end, facts: {type: river, regime: [bpr_6_05, tidal]}}
     - {id: far, centreline: [[9000, -3000], [9000, 3000]], width: 160 m}
   obstacles:
     - {id: pier, at: [100, 20], radius: 15 m}
@@ -45,7 +48,7 @@ ships:
     route: [{waterway: canal, towards: end, offset: 20 m}]
     start: [-1800, -20]
     speed: 10.8 km/h
-    facts: {propulsion: motor, country: no, tow: unknown, eta: 12:30, crew: 3, dry: true, wait: 2 min}
+    facts: {propulsion: motor, blue_sign: true, windward: unknown, draught: 2.8 m, passengers_max: 12, heading: 90 deg}
   - id: ship_2
     length: 80 m
     beam: 10 m
@@ -66,7 +69,7 @@ control:
   starts: [last, nominal, starboard]
   deadlock_detection: false
 bus: {loss: 0.1, delay: 2 s, seed: 7}
-"""
+"""  # noqa: E501 - a line of a file
 
 
 def findings(text: str, rulesets: tuple[str, ...] | None = ("bpr", "ccnr")) -> tuple[Diagnostic, ...]:
@@ -119,7 +122,7 @@ def test_a_scenario_is_read_in_si_and_with_north_first() -> None:
     canal, river, far = scenario.waters.waterways
     assert canal.centreline.tolist() == [[0.0, -3000.0], [0.0, 3000.0]]
     assert (river.width, river.upstream, far.upstream) == (160.0, Towards.END, Towards.NONE)
-    assert dict(river.facts) == {"tidal": "no"}
+    assert dict(river.facts) == {"type": "river", "regime": "bpr_6_05 tidal"}
     assert scenario.waters.obstacles == (Obstacle(id="pier", x=20.0, y=100.0, radius=15.0),)
     assert scenario.waters.ruleset_at(NedPose(600.0, 0.0, 0.0)) == "ccnr"
     assert scenario.bus == BusChoice(loss=0.1, delay=2.0, seed=7)
@@ -132,12 +135,11 @@ def test_a_ship_is_read_with_what_it_states_of_itself() -> None:
     assert (one.ship.mass, one.speed, one.route) == (2e6, 3.0, (Leg("canal", Towards.END, 20.0),))
     assert dict(one.ship.facts) == {
         "propulsion": "motor",
-        "country": "no",
-        "tow": UNKNOWN,
-        "eta": "12:30",
-        "crew": 3,
-        "dry": True,
-        "wait": 120.0,
+        "blue_sign": True,
+        "windward": UNKNOWN,
+        "draught": 2.8,
+        "passengers_max": 12,
+        "heading": pytest.approx(90.0 * DEGREE),
     }
     assert two.ship.hull == Hull(length=80.0, beam=10.0, safety_length=100.0, safety_beam=20.0)
     assert (two.start.x, two.start.y) == (1500.0, 0.0)
@@ -269,8 +271,16 @@ FAULTS = [
     ("deadlock_detection: false", "deadlock_detection: off", "off", "got 'off'", ""),
     ("loss: 0.1", "loss: 1", "1, d", "'1' is out of range", ""),
     ("seed: 7", "seed: -1", "-1}", "got '-1'", ""),
-    ("wait: 2 min", "wait: 2 mins", "2 mins", "'2 mins' has an unknown unit",
-     "did you mean 'min'?; a text needs quotes"),
+    ("draught: 2.8 m", "draught: 2.8", "2.8,", "'2.8' has no unit", "if it is in m, write '2.8 m'"),
+    ("draught: 2.8 m", "draught: 2.8 t", "2.8 t", "'2.8 t' is a weight, not a length", ""),
+    ("draught: 2.8 m", "draft: 2.8 m", "draft", "unknown fact of a ship 'draft'", "did you mean 'draught'?"),
+    ("type: river", "tipe: river", "tipe", "unknown fact of a waterway 'tipe'", "did you mean 'type'?"),
+    ("propulsion: motor", "propulsion: moter", "moter", "unknown value of 'propulsion' 'moter'",
+     "did you mean 'motor'?"),
+    ("blue_sign: true", "blue_sign: yes", "yes", "got 'yes'", ""),
+    ("passengers_max: 12", "passengers_max: dozen", "dozen", "'passengers_max' is a number", ""),
+    ("- {id: north, ruleset: ccnr, polygon: [[-4000, 500], [4000, 500], [4000, 4000], [-4000, 4000]]}",
+     "- rotterdm", "rotterdm", "unknown region 'rotterdm'", ""),
     ("course: 185 deg", "course: 185", "185\n", "'185' has no unit", "if it is in deg, write '185 deg'"),
 ]  # fmt: skip
 
@@ -330,6 +340,52 @@ def test_an_alias_does_not_hide_that_two_ships_have_one_id() -> None:
     assert [each.message for each in findings(text)] == ["a second ship 'ship_1'"]
 
 
+ROTTERDAM = Region(id="rotterdam", ruleset="ccnr", polygon=np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]))
+
+
+def named(name: str) -> str:
+    """The file, with a region that is only named."""
+    drawn = TEXT[TEXT.index("- {id: north") : TEXT.index("  waterways:")]
+    return changed(drawn, f"- {name}\n")
+
+
+def test_a_region_of_a_plugin_is_taken_by_its_id() -> None:
+    scenario = parse_scenario(named("rotterdam"), rulesets={"bpr", "ccnr"}, regions={"rotterdam": ROTTERDAM})
+
+    assert scenario.waters.regions == (ROTTERDAM,)
+    assert plain(parse_scenario(dump_scenario(scenario))) == plain(scenario)
+
+
+def test_a_region_that_no_plugin_has_is_told_with_the_nearest() -> None:
+    with pytest.raises(ScenarioError, match="did you mean 'rotterdam'"):
+        parse_scenario(named("roterdam"), regions={"rotterdam": ROTTERDAM})
+
+
+def test_a_region_of_a_plugin_under_a_ruleset_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ScenarioError, match="region 'rotterdam' is under the unknown ruleset 'ccnr'"):
+        parse_scenario(named("rotterdam"), rulesets={"bpr"}, regions={"rotterdam": ROTTERDAM})
+
+
+def test_facts_of_plugins_are_read_and_written_by_their_vocabulary() -> None:
+    tugs = Fact(
+        name="tug_power",
+        scope=Scope.SHIP,
+        kind=FactKind.NUMBER,
+        meaning="pull of its tugs",
+        source=Source.MESSAGE,
+        quantity=MASS,
+    )
+    vocabulary = VOCABULARY.extended([tugs])
+    text = changed("draught: 2.8 m", "tug_power: 50 t")
+
+    scenario = parse_scenario(text, vocabulary=vocabulary)
+
+    assert scenario.ships[0].ship.facts["tug_power"] == 50_000.0
+    again = dump_scenario(scenario, vocabulary)
+    assert "tug_power: 50 t" in again
+    assert plain(parse_scenario(again, vocabulary=vocabulary)) == plain(scenario)
+
+
 def test_rulesets_are_not_checked_where_none_are_named() -> None:
     assert parse_scenario(changed("ruleset: bpr\n", "ruleset: any\n")).waters.ruleset == "any"
 
@@ -363,14 +419,26 @@ _names = st.one_of(
     ),
 )
 _sizes = st.floats(0.1, 500.0)
-_fact_values = st.one_of(
-    st.booleans(),
-    st.integers(-(10**6), 10**6),
-    st.floats(allow_nan=False, allow_infinity=False),
-    _names.filter(lambda text: text != "unknown"),
-    st.just(UNKNOWN),
-)
-_facts = st.dictionaries(_names, _fact_values, max_size=3)
+
+
+def _values_of(fact: Fact) -> st.SearchStrategy[FactValue]:
+    """All values that a file can state for a fact."""
+    words = st.lists(_names.filter(lambda text: len(text.split()) == 1), max_size=3)
+    known: dict[FactKind, st.SearchStrategy[FactValue]] = {
+        FactKind.FLAG: st.booleans(),
+        FactKind.NUMBER: st.floats(-1e6, 1e6).map(fact.quantity.keep),
+        FactKind.CHOICE: st.sampled_from(fact.choices or ("",)),
+        FactKind.FLAGS: words.map(lambda found: " ".join(each.strip() for each in found)),
+        FactKind.TEXT: _names.filter(lambda text: text != "unknown"),
+    }
+    return st.one_of(st.just(UNKNOWN), known[fact.kind])
+
+
+def _facts_of(scope: Scope) -> st.SearchStrategy[dict[str, FactValue]]:
+    one = st.sampled_from(VOCABULARY.by_scope[scope]).flatmap(
+        lambda fact: st.tuples(st.just(fact.name), _values_of(fact))
+    )
+    return st.lists(one, max_size=3).map(dict)
 
 
 @st.composite
@@ -385,7 +453,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
             centreline=np.array(line),
             width=draw(st.floats(50.0, 500.0)),
             upstream=draw(st.sampled_from(Towards)),
-            facts=draw(_facts),
+            facts=draw(_facts_of(Scope.WATERWAY)),
         )
         for name, line in zip(names, lines, strict=True)
     )
@@ -408,7 +476,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
                     length=draw(_sizes), beam=draw(_sizes), safety_beam=draw(st.sampled_from([0.0, 33.3]))
                 ),
                 mass=draw(st.floats(1e3, 1e7)),
-                facts=draw(_facts),
+                facts=draw(_facts_of(Scope.SHIP)),
             ),
             route=tuple(legs[: draw(st.integers(1, 2))]),
             start=NedPose(

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from fractions import Fraction
+from functools import cache
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ccas_core.frames import FloatArray, NedPose
+from ccas_core.plugins import load
 from ccas_core.ships import FactValue, Hull, Ship, ShipId
+from ccas_core.tapd.case_run import pair_facts
+from ccas_core.tapd.cases import Case, CaseShip
 from ccas_core.tapd.encounters import NO_ENCOUNTER, Encounter
 from ccas_core.tapd.facts import PairFacts, assess
+from ccas_core.tapd.language.code import MOTION, program
+from ccas_core.tapd.language.compiler import Compiler
 from ccas_core.tapd.ruleset import Situation
+from ccas_core.tapd.vocabulary import VOCABULARY, Scope, Vocabulary
+from ccas_core.tapd.written import WrittenRuleset
 from ccas_core.units import DEGREE, wrap
 from ccas_core.verdict import Kind, Verdict
 from ccas_core.waterway import Towards, Waters, Waterway
@@ -21,6 +30,8 @@ from ccas_core.world import ShipReport, World
 
 Place: TypeAlias = Callable[[FloatArray], FloatArray]
 Course: TypeAlias = Callable[[float], float]
+
+Condition: TypeAlias = Callable[[PairFacts], bool]
 
 A, B, C, D = ShipId("a"), ShipId("b"), ShipId("c"), ShipId("d")
 
@@ -40,6 +51,53 @@ def verdict(
     return Verdict(
         own=own, other=other, kind=kind, ruleset="r", version=version, initiator=initiator, reason=reason
     )
+
+
+@cache
+def installed() -> Mapping[str, Any]:
+    """All rulesets that are installed, by id."""
+    return load().rulesets
+
+
+def ruleset(id_: str) -> WrittenRuleset:
+    """Ruleset of ours, from its file."""
+    found = installed()[id_]
+    assert isinstance(found, WrittenRuleset)
+    return found
+
+
+@cache
+def condition(text: str, of: str = "tran2026", **limits: float) -> Condition:
+    """Compile a condition in the words of a ruleset; `limits` are values of its parameters [SI, deg]."""
+    rules = ruleset(of).text
+    parameters = {
+        name: replace(each, value=Fraction(limits.get(name, each.value)))
+        for name, each in rules.parameters.items()
+    }
+    assert limits.keys() <= parameters.keys()
+    compiler = Compiler(
+        vocabulary=rules.vocabulary,
+        parameters=parameters,
+        definitions=rules.definitions,
+        regimes=rules.regimes,
+    )
+    formula = compiler.condition(text)
+    constants = replace(rules, parameters=parameters, tangents=compiler.tangents).constants
+    made = program([formula], rules.vocabulary, constants)
+
+    def decide(facts: PairFacts) -> bool:
+        values = facts.own_values, facts.other_values, facts.waterway_values, facts.pair_values, facts.motion
+        return made.decisions[0](*values, [None] * made.memory)
+
+    return decide
+
+
+def plain(facts: PairFacts) -> dict[str, Any]:
+    """All facts of a pair by name, and its motion, so that they can be compared."""
+    names = [f"{ship}.{fact.name}" for ship in ("own", "other") for fact in VOCABULARY.by_scope[Scope.SHIP]]
+    names += [f"waterway.{fact.name}" for fact in VOCABULARY.by_scope[Scope.WATERWAY]]
+    names += [fact.name for fact in VOCABULARY.by_scope[Scope.PAIR]]
+    return {"ships": (facts.own, facts.other)} | {name: facts[name] for name in (*names, *MOTION)}
 
 
 def waters(angle: float = 90.0, width: float = 160.0) -> Waters:
@@ -119,7 +177,7 @@ class Meeting:
 
     def facts(self, memory: Encounter = NO_ENCOUNTER) -> PairFacts:
         """Facts as the own ship sees them."""
-        return assess(self.waters, self.own, self.other, memory)
+        return assess(VOCABULARY, self.waters, self.own, self.other, memory)
 
     def situation(self, memory: Encounter | None = None) -> Situation:
         """World of the two ships, and what they remember."""
@@ -197,3 +255,29 @@ def random_encounter(generator: np.random.Generator, *, flags: bool = True) -> M
 
 
 _CHARTS = tuple(waters(angle) for angle in (30.0, 50.0, 70.0, 90.0, 110.0, 130.0, 150.0))
+
+
+Placed: TypeAlias = tuple[float, float, float, float]  # north, east [m], course [deg], speed [m/s]
+
+
+def stated(
+    own: Mapping[str, Any] | None = None,
+    other: Mapping[str, Any] | None = None,
+    *,
+    waterway: Mapping[str, Any] | None = None,
+    encounter: Mapping[str, Any] | None = None,
+    at: tuple[Placed, Placed] | None = None,
+    vocabulary: Vocabulary = VOCABULARY,
+) -> PairFacts:
+    """Facts of ships a and b, as a file states them; of the encounter, ships by their ids."""
+    ships = tuple(
+        CaseShip(
+            id=id_,
+            facts=facts or {},
+            pose=None if place is None else (place[0], place[1], place[2] * DEGREE),
+            speed=None if place is None else place[3],
+        )
+        for id_, facts, place in zip((A, B), (own, other), at or (None, None), strict=True)
+    )
+    case = Case(id="case", ships=ships, waterway=waterway or {}, encounter=encounter or {})
+    return pair_facts(case, A, B, vocabulary)

@@ -34,10 +34,15 @@ class Fleet:
     masses: Mapping[ShipId, float]
 
     @cached_property
+    def ranks(self) -> dict[ShipId, tuple[float, ...]]:
+        """Place of each ship among those that wait for one another: by mass."""
+        return {ship: (mass,) for ship, mass in self.masses.items()}
+
+    @cached_property
     def gossip(self) -> dict[ShipId, Waiting]:
         """What all ships tell, once everybody has heard it."""
         return {
-            ship: Waiting(self.masses[ship], {b: self.graph.edges[b, ship]["kind"] for b in before})
+            ship: Waiting(self.ranks[ship], {b: self.graph.edges[b, ship]["kind"] for b in before})
             for ship, before in self.graph.pred.items()
         }
 
@@ -139,7 +144,7 @@ def by_weight(openings: Iterable[Opening]) -> set[Opening]:
 def test_asked_in_every_round_the_ships_give_the_generations_and_openings_of_the_graph() -> None:
     for seed in range(GRAPHS):
         of = random_fleet(seed)
-        generations, openings = open_cycles(of.graph, of.masses)
+        generations, openings = open_cycles(of.graph, of.ranks)
 
         sailed = at_once(of)
 
@@ -150,7 +155,7 @@ def test_asked_in_every_round_the_ships_give_the_generations_and_openings_of_the
 def test_after_the_timer_the_ships_open_the_same_duties_and_keep_the_same_order_along_edges() -> None:
     for seed in range(GRAPHS, 2 * GRAPHS):
         of = random_fleet(seed)
-        generations, openings = open_cycles(of.graph, of.masses)
+        generations, openings = open_cycles(of.graph, of.ranks)
         no_duty = {(each.edge.first, each.edge.then) for each in openings if each.criterion == "no duty"}
 
         sailed = by_timer(of)
@@ -166,7 +171,7 @@ def test_the_duties_that_are_opened_do_not_depend_on_who_is_quickest() -> None:
     generator = np.random.default_rng(3)
     for seed in range(GRAPHS // 3):
         of = random_fleet(seed)
-        _, openings = open_cycles(of.graph, of.masses)
+        _, openings = open_cycles(of.graph, of.ranks)
 
         assert by_weight(by_timer(of, generator).openings) == by_weight(openings)
 
@@ -174,7 +179,7 @@ def test_the_duties_that_are_opened_do_not_depend_on_who_is_quickest() -> None:
 def test_after_the_timer_the_ships_log_every_opening_of_the_graph() -> None:
     for seed in range(GRAPHS // 10):
         of = random_fleet(seed)
-        assert set(by_timer(of).openings) == set(open_cycles(of.graph, of.masses)[1])
+        assert set(by_timer(of).openings) == set(open_cycles(of.graph, of.ranks)[1])
 
 
 # --- one ship -------------------------------------------------------------------------------------
@@ -199,7 +204,7 @@ def test_ship_that_merely_waits_for_a_ring_does_not_jump_the_queue() -> None:
 def test_no_ship_ever_jumps_the_queue_of_another_ring() -> None:
     for seed in range(GRAPHS // 5):
         of = random_fleet(seed)
-        opened = [(each.edge.first, each.edge.then) for each in open_cycles(of.graph, of.masses)[1]]
+        opened = [(each.edge.first, each.edge.then) for each in open_cycles(of.graph, of.ranks)[1]]
         duties: Digraph = nx.DiGraph(of.graph)
         duties.remove_edges_from(edge for edge in opened if of.graph.edges[edge]["kind"] is ORDER)
         rings = {ship: ring for ring in nx.strongly_connected_components(duties) for ship in ring}
@@ -254,7 +259,21 @@ def test_ship_that_has_decided_need_not_have_been_heard_of() -> None:
 
 
 def test_gossip_cannot_be_changed() -> None:
-    waiting = Waiting(1.0, {A: DUTY})
+    waiting = Waiting((1.0,), {A: DUTY})
 
     with pytest.raises(TypeError):
         waiting.waits_for[B] = DUTY  # type: ignore[index]
+
+
+# --- other criteria than weight -------------------------------------------------------------------
+
+
+def test_ring_is_opened_by_the_ranks_that_the_ships_tell_and_says_by_which_criterion() -> None:
+    ranks = {A: (2.0, 1.0), B: (1.0, 5.0), C: (1.0, 4.0)}  # the second number decides between b and c
+    heard = {
+        ship: Waiting(ranks[ship], waiting.waits_for, "by length, weight")
+        for ship, waiting in fleet(*RING).gossip.items()
+    }
+
+    assert released(B, heard, NOBODY) is None
+    assert released(C, heard, NOBODY) == (Opening(Edge(B, C, DUTY), "by length, weight"),)

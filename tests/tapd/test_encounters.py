@@ -9,18 +9,29 @@ import numpy as np
 import pytest
 
 from ccas_core.roles import Geometry
-from ccas_core.ships import UNKNOWN, ShipId
+from ccas_core.ships import UNKNOWN, FactValue, ShipId
 from ccas_core.tapd.assign import remembered
 from ccas_core.tapd.encounters import NO_ENCOUNTER, Encounter, remember
-from ccas_core.tapd.ruleset import PairRuleset
 from ccas_core.units import DEGREE
 from ccas_core.verdict import OPPOSITE, Kind, Verdict
 from ccas_core.waterway import Towards
-from ccas_rulesets.tran2026 import Tran2026
 
-from . import CHART, A, B, Meeting, crossing, head_on, overtaking, random_encounter, report, verdict, waters
+from . import (
+    CHART,
+    A,
+    B,
+    Meeting,
+    crossing,
+    head_on,
+    overtaking,
+    random_encounter,
+    report,
+    ruleset,
+    verdict,
+    waters,
+)
 
-RULES: PairRuleset = Tran2026()
+RULES = ruleset("tran2026")
 STEP = 20.0  # [s]
 
 
@@ -32,6 +43,11 @@ def carried_on(meeting: Meeting, memory: Encounter = NO_ENCOUNTER) -> Encounter:
     """Memory after this period, as the own ship has it."""
     _, encounter = remembered(meeting.situation(memory), judged(meeting, memory))
     return encounter
+
+
+def sides(memory: Encounter) -> dict[ShipId, FactValue]:
+    """Whether each ship follows the starboard side, as it is remembered."""
+    return {ship: held["follows_starboard_side"] for ship, held in memory.held.items()}
 
 
 def sailed(meeting: Meeting, periods: int) -> list[tuple[Verdict, Encounter]]:
@@ -69,7 +85,7 @@ def test_encounter_begins_with_its_geometry_and_its_overtaker(
     memory = carried_on(meeting)
 
     assert (memory.geometry, memory.overtaker, memory.opening_periods) == (geometry, overtaker, 0)
-    assert memory.starboard_sides == {A: False, B: False}
+    assert sides(memory) == {A: False, B: False}
 
 
 # --- lasting --------------------------------------------------------------------------------------
@@ -79,7 +95,7 @@ def test_overtaking_lasts_though_the_bearing_changes() -> None:
     memory = carried_on(overtaking())
     abeam = Meeting(CHART, report(A, -370.0, -60.0, 0.0, speed=5.0), report(B, -400.0, 0.0, 0.0))
 
-    assert abs(abeam.facts().bearing_of_own) < 112.5 * DEGREE
+    assert abs(abeam.facts().quantity(("bearing", "other", "own"))) < 112.5 * DEGREE
     assert judged(abeam).kind is Kind.NONE  # without memory it would be over
     assert judged(abeam, memory).kind is Kind.GIVE_WAY
     assert judged(abeam.swapped(), memory).kind is Kind.STAND_ON
@@ -103,14 +119,14 @@ def test_overtaking_ends_when_past_and_clear() -> None:
     assert set(kinds[:over]) == {Kind.GIVE_WAY}
     assert set(kinds[over:]) == {Kind.NONE}
     assert end.own.pose.x - end.other.pose.x > 100.0  # ahead by more than the two half lengths
-    assert abs(end.facts().bearing_of_other) > 90.0 * DEGREE
+    assert abs(end.facts().quantity(("bearing", "own", "other"))) > 90.0 * DEGREE
 
 
 def test_overtaker_that_is_not_yet_past_still_overtakes_though_the_range_grew() -> None:
     memory = replace(carried_on(overtaking()), distance=100.0, opening_periods=5)
     behind = overtaking()
 
-    assert behind.facts(memory).tcpa > 0.0
+    assert behind.facts(memory)["tcpa"] > 0.0
     assert carried_on(behind, memory).geometry is Geometry.OVERTAKING
 
 
@@ -121,7 +137,7 @@ def test_starboard_side_is_held_during_the_encounter() -> None:
 
     assert judged(aside).kind is Kind.MUTUAL  # it left its side
     assert judged(aside, memory).kind is Kind.STAND_ON
-    assert carried_on(aside, memory).starboard_sides == {A: True, B: False}
+    assert sides(carried_on(aside, memory)) == {A: True, B: False}
 
 
 def test_ship_does_not_earn_the_right_to_stand_on_by_giving_way_to_starboard() -> None:
@@ -228,22 +244,41 @@ def test_overtaker_is_the_ship_that_comes_up_though_the_other_gives_way() -> Non
     assert _overtakers(Kind.STAND_ON) == {A}
 
 
-def _overtakers(kind: Kind) -> set[ShipId | None]:
-    """Who overtakes, as both ships remember it: ship a comes up on b."""
+def test_overtaker_is_remembered_by_what_the_verdicts_say_and_by_nothing_else() -> None:
+    """A ruleset says who overtakes; one that does not leaves both ships with the same memory all the same."""
+    assert _overtakers(Kind.GIVE_WAY, None) == {None}
+
+
+def test_ruleset_tells_both_ships_of_the_same_overtaker() -> None:
+    assert judged(overtaking()).overtaker == judged(overtaking().swapped()).overtaker == A
+
+
+def test_ship_that_has_the_other_on_starboard_is_remembered_from_the_beginning() -> None:
+    memory = carried_on(crossing())
+
+    assert memory.has_other_on_starboard == A
+    assert crossing().facts(memory)["has_other_on_starboard"] == "own"
+    assert crossing().swapped().facts(memory)["has_other_on_starboard"] == "other"
+
+
+def _overtakers(kind: Kind, overtaker: ShipId | None = A) -> set[ShipId | None]:
+    """Who overtakes, as both ships remember it, where both verdicts name a ship."""
     found = set()
     for meeting, seen in ((overtaking(), kind), (overtaking().swapped(), OPPOSITE.get(kind, kind))):
-        view = replace(
-            verdict(meeting.own.id, meeting.other.id, seen, initiator=A), geometry=Geometry.OVERTAKING
-        )
+        wanted = kind in (Kind.PROHIBITED, Kind.COOPERATE)
+        told = verdict(meeting.own.id, meeting.other.id, seen, initiator=A if wanted else None)
+        view = replace(told, geometry=Geometry.OVERTAKING, overtaker=overtaker)
         found.add(remembered(meeting.situation(), view)[1].overtaker)
     return found
 
 
 def test_memory_cannot_be_changed() -> None:
-    memory = remember(head_on(True, False).facts(), Geometry.HEAD_ON, None)
+    memory = remember(NO_ENCOUNTER, head_on(True, False).facts(), judged(head_on(True, False)))
 
     with pytest.raises(TypeError):
-        memory.starboard_sides[A] = False  # type: ignore[index]
+        memory.held[A] = {}  # type: ignore[index]
+    with pytest.raises(TypeError):
+        memory.held[A]["direction"] = "upbound"  # type: ignore[index]
 
 
 def _range(meeting: Meeting) -> float:

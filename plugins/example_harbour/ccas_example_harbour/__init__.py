@@ -1,54 +1,84 @@
-"""A ruleset for the entrance of a harbour: departing ships give way to arriving ones."""
+"""A sample plugin: the by-law of a harbour on top of the BPR, a fact, a rule in Python, an observer."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from pathlib import Path
 
-from ccas_core.hookspecs import hookimpl
-from ccas_core.roles import Geometry
-from ccas_core.tapd.facts import PairFacts, is_head_on
-from ccas_core.tapd.ruleset import AbstractRuleset, PairRuleset
-from ccas_core.verdict import Citation, Kind, Verdict
-from ccas_core.waterway import Towards
+import numpy as np
 
-ENTRANCE = "entrance"  # id of the waterway; its centreline is drawn from the sea into the harbour
-MEETING_TIME = 900.0  # ships that come closest later than this do not meet yet [s]
+from ccas_core.events import OrderDecided
+from ccas_core.hookspecs import PluginInfo, hookimpl
+from ccas_core.tapd.python_rules import PairView, PythonRule, RoleDecision, ShipView
+from ccas_core.tapd.vocabulary import Fact, Kind, Scope, Source
+from ccas_core.waterway import Region
+
+DECIDED: Counter[int] = Counter()  # how often so many ships had to decide one after the other
+
+# Art. 3: points for the need of deep water.  A table of the by-law, which a condition cannot hold.
+DRAUGHT_POINTS = ((10.0, 3), (7.0, 2), (4.0, 1), (0.0, 0))  # from this draught [m]: points
 
 
 @hookimpl
-def ccas_rulesets() -> Iterable[AbstractRuleset]:
-    """Return the ruleset of this plugin."""
-    return (Harbour(),)
+def ccas_plugin_info() -> PluginInfo:
+    """Say who we are."""
+    return PluginInfo(name="example harbour", version="1.0.0")
 
 
-@dataclass(frozen=True, slots=True)
-class Harbour(PairRuleset):
-    """By-law of the harbour entrance (invented): two articles, and the radio for everything else."""
+@hookimpl
+def ccas_facts() -> Iterable[Fact]:
+    """Return the fact that the by-law needs, besides those that there are."""
+    yield Fact(
+        name="tug_assisted",
+        scope=Scope.SHIP,
+        kind=Kind.FLAG,
+        meaning="is made fast to a tug",
+        source=Source.MESSAGE,
+        default=False,
+    )
 
-    id: str = "harbour"
-    version: str = "1.0.0"
-    title: str = "Harbour entrance: departing ships give way to arriving ones (sample)"
 
-    def judge(self, facts: PairFacts) -> Verdict:
-        """Judge a pair from `facts.own`'s side; the other side gets the opposite verdict."""
-        if facts.encounter.geometry is Geometry.NONE and not is_head_on(facts, MEETING_TIME):
-            return self._verdict(facts, Kind.NONE, "", "they do not meet")
-        if facts.own.waterway != ENTRANCE or facts.other.waterway != ENTRANCE:
-            return self._verdict(facts, Kind.NEGOTIATE, "art. 2", "outside the entrance ships agree by radio")
-        if facts.own.towards is Towards.START:
-            return self._verdict(facts, Kind.GIVE_WAY, "art. 1", "a departing ship waits for an arriving one")
-        return self._verdict(facts, Kind.STAND_ON, "art. 1", "an arriving ship has the entrance")
+@hookimpl
+def ccas_rulesets() -> Iterable[Path]:
+    """Return the ruleset file, which lies beside this module."""
+    yield Path(__file__).with_name("harbour.yaml")
 
-    def _verdict(self, facts: PairFacts, kind: Kind, article: str, reason: str) -> Verdict:
-        return Verdict(
-            own=facts.own.id,
-            other=facts.other.id,
-            kind=kind,
-            ruleset=self.id,
-            version=self.version,
-            rule=article,
-            citation=Citation(regulation="Harbour by-law", article=article) if article else None,
-            geometry=Geometry.HEAD_ON if article else Geometry.NONE,
-            reason=reason,
-        )
+
+@hookimpl
+def ccas_pair_rules() -> Iterable[PythonRule]:
+    """Return the rule that `harbour.yaml` asks for by `python: deep_water`."""
+    yield PythonRule("deep_water", deep_water)
+
+
+def deep_water(pair: PairView) -> RoleDecision | None:
+    """Say that the ship with fewer points gives way; with as many, the articles that follow decide."""
+    own, other = points(pair.own), points(pair.other)
+    if own >= other:
+        return None  # the rule is asked with the ships swapped, too
+    because = f"{own} points for deep water against {other}"
+    return RoleDecision("give_way", because=because, strength="keep_clear")
+
+
+def points(ship: ShipView) -> int:
+    """Count the points of a ship: for its draught, and one for a tug.
+
+    >>> from types import SimpleNamespace
+    >>> points(SimpleNamespace(draught=8.0, tug_assisted=True))
+    3
+    """
+    for_draught = next(count for least, count in DRAUGHT_POINTS if ship.draught >= least)
+    return for_draught + bool(ship.tug_assisted)
+
+
+@hookimpl
+def ccas_regions() -> Iterable[Region]:
+    """Return the harbour, for scenarios that name it: `regions: [example_harbour]`."""
+    corners = [[-400.0, -400.0], [-400.0, 400.0], [400.0, 400.0], [400.0, -400.0]]  # north, east [m]
+    yield Region(id="example_harbour", ruleset="harbour", polygon=np.array(corners))
+
+
+@hookimpl
+def ccas_order_decided(event: OrderDecided) -> None:
+    """Count, and do nothing else: an observer cannot change anything."""
+    DECIDED[len(event.generations)] += 1
