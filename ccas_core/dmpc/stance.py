@@ -42,6 +42,7 @@ _STEADY_OFFSET: Final = 0.05  # of a ship that holds [m]: solvers want some room
 _STEADY_FACTOR: Final = 1e-3
 _TURNS: Final = 2  # changes of side in an encounter
 _MUCH: Final = 2.0  # periods that another plan must save to be taken instead of the last
+_RETURNS: Final = (0.0, 0.5, 0.75, 0.875)  # shares of the present offset to which a ship returns at once
 _BETTER: Final = 1.0  # gap that a manoeuvre must gain over the solver's plan to replace it [m]
 
 
@@ -126,7 +127,7 @@ def take_stance(
     known = {each.id for each in seen if each.bearing.role is not Role.NONE}
     resolves = {id_: resolve for id_, resolve in memory.resolves.items() if id_ in known}
     base = _base(problem, seen, resolves)
-    hold = _steady(problem, base)
+    hold = _holding(hull, problem, room, base)
     ahead = _each_gap(hull, sailed(problem, hold[None]), seen)[0]  # (n, N)
     least = ahead.min(axis=1, initial=math.inf)
     for n, each in enumerate(seen):
@@ -187,7 +188,8 @@ def safest(
     """
     if not seen:
         return None
-    ahead = _each_gap(hull, plan.trajectory.poses[None], seen)[0]
+    on_line = sailed(problem, _steady(problem, 0.0)[None])
+    ahead = _each_gap(hull, np.concatenate([on_line, plan.trajectory.poses[None]]), seen).min(axis=0)
     gap = float(_least_gap(hull, plan.trajectory.poses[None], seen, room)[0])
     if gap >= enough:
         return None
@@ -232,6 +234,15 @@ def _base(problem: LocalProblem, seen: Sequence[Seen], resolves: Mapping[ShipId,
 def _steady(problem: LocalProblem, base: float) -> FloatArray:
     offset = np.clip(base, problem.offset_limits[:, 0], problem.offset_limits[:, 1])
     return np.column_stack([offset, np.ones(len(offset))])
+
+
+def _holding(hull: Hull, problem: LocalProblem, room: FloatArray, base: float) -> FloatArray:
+    """Controls of a ship that holds; near a bank it returns by steps, for its stern swings out."""
+    swung = [base + share * (problem.last_offset - base) for share in _RETURNS]
+    plans = np.stack([_steady(problem, offset) for offset in swung])
+    free = bank_gaps(hull, sailed(problem, plans), room).min(axis=1) >= -BANK_MARGIN / 2.0
+    chosen: FloatArray = plans[int(np.argmax(free)) if np.any(free) else -1]
+    return chosen
 
 
 def _hold(problem: LocalProblem, hold: FloatArray, count: int, memory: Memory) -> Stance:

@@ -157,6 +157,19 @@ def test_where_both_are_to_act_a_ship_acts_though_the_other_has_told_that_it_wil
     assert found.offset_limits[0, 0] == ROLES.visible_offset
 
 
+def test_a_ship_near_a_bank_returns_by_steps_for_its_stern_swings_out() -> None:
+    aside = problem(last_offset=50.0)
+    wide, narrow = (np.tile([-room, room], (HORIZON, 1)) for room in (90.0, 52.0))
+    clear = [met(Role.NONE, Geometry.NONE, sails(5000.0, 500.0, math.pi))]
+
+    free, near = (
+        take_stance(HULL, aside, room, None, clear, Memory(), ROLES).anchor[0, 0] for room in (wide, narrow)
+    )
+
+    assert free == 0.0
+    assert 0.0 < near < 50.0
+
+
 def test_a_plan_that_clears_is_kept() -> None:
     first = stance(met(Role.GIVE_WAY, Geometry.HEAD_ON, AHEAD))
     kept = np.tile([30.0, 1.0], (HORIZON, 1))
