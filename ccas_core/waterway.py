@@ -188,16 +188,20 @@ class GuidingLine:
         return self.legs[self._index(x)]
 
     def offset_limits(self, x: float, beam: float) -> tuple[float, float]:
-        """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max.
-
-        Where a line runs so near to a bank that not even zero offset has the margin, zero
-        remains allowed: the line itself was chosen by the user.
-        """
+        """Least and greatest cross-track offset [m] that keep a hull between the banks, and within y_max."""
         low, high = self.offset_limits_at(np.array([x]), beam)[0].tolist()
         return low, high
 
     def offset_limits_at(self, x: FloatArray, beam: float) -> FloatArray:
         """As `offset_limits`, at each of several distances along the line, (n, 2) [m]."""
+        return np.minimum(np.maximum(self.room_at(x, beam), -OFFSET_LIMIT), OFFSET_LIMIT)
+
+    def room_at(self, x: FloatArray, beam: float) -> FloatArray:
+        """Least and greatest offset at which a hull keeps its margin to the banks, (n, 2) [m].
+
+        Where a line runs so near to a bank that not even zero offset has the margin, zero
+        remains allowed: the line itself was chosen by the user.
+        """
         limits = np.empty((len(x), 2))
         leg = np.maximum(np.searchsorted(self.leg_starts, x, side="right") - 1, 0)
         for index in sorted(set(leg.tolist())):
@@ -208,8 +212,8 @@ class GuidingLine:
                 if self.frame.is_straight
                 else self._beside_centreline(index, x[at])
             )
-            limits[at, 0] = np.minimum(0.0, np.maximum(-OFFSET_LIMIT, -room - offset))
-            limits[at, 1] = np.maximum(0.0, np.minimum(OFFSET_LIMIT, room - offset))
+            limits[at, 0] = np.minimum(0.0, -room - offset)
+            limits[at, 1] = np.maximum(0.0, room - offset)
         return limits
 
     def _beside_centreline(self, index: int, x: FloatArray) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import TypeAlias
 
 from ..dmpc.local_problem import LocalProblem, Solution
@@ -14,6 +15,15 @@ from ..roles import Geometry
 from .messages import Message
 
 
+class Conduct(StrEnum):
+    """How a ship takes its duties: breaches are there to see what the others make of them."""
+
+    DUTIFUL = "dutiful"
+    IGNORES = "ignores"  # sails on, and tells so
+    SILENT = "silent"  # sails on, and never tells its intention
+    BREAKS_PROMISES = "breaks_promises"  # tells what it should do, and sails on
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timers:
     """Times within a period, from its beginning unless stated otherwise [s]."""
@@ -22,6 +32,7 @@ class Timers:
     settle: float = 3.0  # verdicts are awaited until then
     deadlock: float = 2.0  # T_DL: without progress for so long, a deadlock is looked for
     resend: float = 1.0  # a ship repeats its last word after so long, while others still need it
+    patience: float = 10.0  # a ship whose turn has not come by then goes on without those it waits for
     deadline: float = 15.0  # a decision leaves the ship by then
 
 
@@ -32,6 +43,7 @@ class AgentSettings:
     profiles: Mapping[Geometry, Settings]  # control settings by geometry (Sec. 5.4)
     profile: Geometry | None = None  # None: by the encounters at hand
     deadlock_detection: bool = True
+    conduct: Conduct = Conduct.DUTIFUL
     timers: Timers = field(default_factory=Timers)
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from ..dmpc.negotiate import Negotiation, Progress
-from ..frames import NedTrajectory
-from ..priority import Opening, Settlement
+from ..frames import FloatArray, NedTrajectory
+from ..priority import Bearing, Opening, Settlement
 from ..ships import ShipId
 from ..tapd.deadlock import Waiting
 from ..tapd.ruleset import Situation
@@ -43,6 +43,8 @@ class Period:
     waiting: dict[ShipId, Waiting] = field(default_factory=dict)
     told: dict[ShipId, Progress] = field(default_factory=dict)
     intentions: dict[ShipId, NedTrajectory] = field(default_factory=dict)
+    bearings: dict[ShipId, Bearing] = field(default_factory=dict)
+    limits: FloatArray | None = None  # of the offset, by the water alone, (N, 2) [m]
     negotiation: Negotiation | None = None
     asked: bool = False  # a request is out
     progressed: float = 0.0  # when somebody last told a decision [s]

@@ -11,6 +11,7 @@ leaves the ship before the deadline.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
@@ -22,8 +23,9 @@ from ..dmpc.local_problem import shifted
 from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
+from ..dmpc.stance import Memory
 from ..frames import FloatArray, NedPose, NedTrajectory
-from ..priority import Opening, bearing, settle
+from ..priority import NO_BEARING, Opening, PriorityGraph, settle
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.assign import assign, remembered
@@ -31,12 +33,13 @@ from ..tapd.deadlock import Waiting, opened_orders, released
 from ..tapd.encounters import NO_ENCOUNTER, Encounter
 from ..tapd.ruleset import AbstractRuleset, Pair, Situation
 from ..verdict import Kind, Verdict
-from ..waterway import GuidingLine, Waters
+from ..waterway import OFFSET_LIMIT, GuidingLine, Waters
 from ..world import ShipReport, World
-from .events import AgentSettings, Decision, Event, Request, Sensed, Solved, Step
+from .events import AgentSettings, Conduct, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
 
+BROKEN_BEYOND: Final = 3.0  # a ship that is so far from where it promised to be has broken its promise [m]
 FORGOTTEN: Final = 10  # periods of silence after which an encounter is forgotten
 
 
@@ -78,6 +81,8 @@ class ShipAgent:
         self._kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
         self._last_controls: FloatArray | None = None
         self._last_offset = 0.0
+        self._memory = Memory()
+        self._distrusted: set[ShipId] = set()  # ships that did not do what they told
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
         self._last_heard: dict[ShipId, int] = {}  # period of the last report
@@ -85,6 +90,12 @@ class ShipAgent:
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
         """Take what has come, go on as far as possible, and say what is wanted."""
+        step = self._step(now, inbox)
+        if self._settings.conduct is not Conduct.SILENT:
+            return step
+        return replace(step, outbox=tuple(each for each in step.outbox if not isinstance(each, Intention)))
+
+    def _step(self, now: float, inbox: Sequence[Event]) -> Step:
         outbox: list[Message] = []
         for event in inbox:
             outbox += self._take(now, event)
@@ -109,11 +120,17 @@ class ShipAgent:
         if any(isinstance(event, Solved) for event in inbox):
             return Step(outbox=tuple(outbox), wake_at=now)  # first let what was told arrive
         self._open_orders(period)
-        if self._my_turn(period, negotiation) or self._released(now, period, negotiation, outbox):
+        detects = self._settings.deadlock_detection
+        impatient = detects and now >= period.began + timers.patience
+        if (
+            impatient
+            or self._my_turn(period, negotiation)
+            or self._released(now, period, negotiation, outbox)
+        ):
             return self._ask(period, negotiation, outbox)
         wake_at = period.began + timers.deadline
-        if self._settings.deadlock_detection:
-            wake_at = min(wake_at, period.progressed + timers.deadlock)
+        if detects:
+            wake_at = min(period.began + timers.patience, period.progressed + timers.deadlock)
         return Step(outbox=tuple(outbox), wake_at=wake_at)
 
     # -- taking what comes -----------------------------------------------------------------------
@@ -194,6 +211,9 @@ class ShipAgent:
                 settlements.append(settle(mine, theirs, masses))
         self._forget(period)
         period.settlements = tuple(settlements)
+        graph = PriorityGraph(masses=masses, settlements=period.settlements)
+        period.bearings = {ship: graph.bearing(self.ship.id, ship) for ship in period.reports}
+        self._check_promises(period)
         edges = [
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
         ]
@@ -206,6 +226,15 @@ class ShipAgent:
         period.progressed = now
         period.negotiation = negotiate.begin(self._negotiating(period))
         return [Gossip(self.ship.id, period.index, {self.ship.id: waiting}, frozenset())]
+
+    def _check_promises(self, period: Period) -> None:
+        """Trust no more in the intentions of a ship that is not where it promised to be, while it is met."""
+        met = {ship for ship, bearing in period.bearings.items() if bearing.geometry is not Geometry.NONE}
+        self._distrusted &= met
+        for ship in met & self._promises.keys():
+            promised, pose = self._promises[ship].poses[0], period.reports[ship].pose
+            if math.hypot(promised[0] - pose.x, promised[1] - pose.y) > BROKEN_BEYOND:
+                self._distrusted.add(ship)
 
     def _forget(self, period: Period) -> None:
         """Forget encounters with ships that have long been silent or out of reach: memory is bounded."""
@@ -263,9 +292,15 @@ class ShipAgent:
     def _negotiating(self, period: Period) -> negotiate.Situation:
         settings = self._profile(period)
         initial = self._line.frame.to_path(period.own.pose)
+        hull, roles = self.ship.hull, settings.roles
         steps = np.arange(settings.horizon, dtype=np.float64)
         ahead = initial.x + self._speed * settings.kinematics.time_step * steps
-        limits = self._line.offset_limits_at(ahead, self.ship.hull.beam)
+        room = self._line.room_at(ahead, hull.beam)
+        swing = roles.swing * hull.length / 2.0 if roles else 0.0
+        low, high = room.T
+        limits = np.column_stack([np.minimum(low + swing, 0.0), np.maximum(high - swing, 0.0)])
+        limits = np.minimum(np.maximum(limits, -OFFSET_LIMIT), OFFSET_LIMIT)
+        period.limits = limits
         last = self._last_controls
         return negotiate.Situation(
             hull=self.ship.hull,
@@ -275,14 +310,16 @@ class ShipAgent:
             speed=self._speed,
             settings=settings,
             offset_limits=limits,
+            room=room,
             last_controls=None if last is None else shifted(last),
+            memory=self._memory,
         )
 
     def _profile(self, period: Period) -> Settings:
         """Control settings for the encounters at hand: crossing prevails over head-on (Sec. 5.4)."""
         profile = self._settings.profile
         if profile is None:
-            met = {bearing(each, self.ship.id).geometry for each in period.settlements}
+            met = {bearing.geometry for bearing in period.bearings.values()}
             profile = Geometry.CROSSING if Geometry.CROSSING in met else Geometry.HEAD_ON
         return self._settings.profiles[profile]
 
@@ -291,12 +328,14 @@ class ShipAgent:
         horizon, time_step = settings.horizon, settings.kinematics.time_step
         neighbours = []
         for ship, report in sorted({**self._last_reports, **period.reports}.items()):
-            told = period.intentions.get(ship)
+            told = None if ship in self._distrusted else period.intentions.get(ship)
             if told is None and settings.expectation is Expectation.LAST_PLAN:
                 told = self._promises.get(ship)
-            if told is None:
-                told = self._predictor.predict(report.pose, report.speed, horizon, time_step)
-            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon)))
+            unmoved = self._predictor.predict(report.pose, report.speed, horizon, time_step)
+            if told is None or ship in self._distrusted:
+                told = unmoved
+            bearing = period.bearings.get(ship, NO_BEARING)
+            neighbours.append(Neighbour(report.ship.hull, resized(told, horizon), ship, bearing, unmoved))
         for obstacle in self._waters.obstacles:
             pose = NedPose(obstacle.x, obstacle.y, 0.0)
             circle = Hull(
@@ -309,6 +348,7 @@ class ShipAgent:
 
     def _ask(self, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         neighbours = self._neighbours(period, negotiation.situation.settings)
+        negotiation = period.negotiation = negotiate.face(negotiation, neighbours)
         problem = negotiate.local_problem(negotiation, neighbours)
         period.asked = True
         return Step(outbox=tuple(outbox), request=Request(problem, negotiate.guesses(negotiation)))
@@ -318,6 +358,10 @@ class ShipAgent:
     def _decide(self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
         if not negotiation.usable:
             return self._give_up(now, period, negotiation, outbox, negotiation.worst.value)
+        settings = negotiation.situation.settings
+        if settings.roles is not None and period.limits is not None:
+            neighbours = self._neighbours(period, settings)
+            negotiation = negotiate.secured(negotiation, neighbours, period.limits)
         return self._close(now, period, negotiation, outbox, "")
 
     def _give_up(
@@ -334,14 +378,20 @@ class ShipAgent:
         self, now: float, period: Period, negotiation: Negotiation, outbox: list[Message], fallback: str
     ) -> Step:
         """Issue the decision of this period, and promise its plan."""
+        if self._settings.conduct in (Conduct.IGNORES, Conduct.SILENT):
+            negotiation = negotiate.sailing_on(negotiation)
         period.negotiation = negotiation
         period.phase = Phase.DONE
         period.resent = now
         outbox.append(self._intention(period, negotiation))
+        if self._settings.conduct is Conduct.BREAKS_PROMISES:  # after it has promised
+            negotiation = negotiate.sailing_on(negotiation)
         controls = negotiation.plan.controls
         stopped = bool(fallback) and not controls[:, 1].any()
         self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on
         self._last_offset = float(controls[0, 0])
+        if negotiation.stance is not None:
+            self._memory = negotiation.stance.memory
         decision = Decision(
             offset=float(controls[0, 0]),
             speed_factor=float(controls[0, 1]),
@@ -373,4 +423,6 @@ class ShipAgent:
 
     def _intention(self, period: Period, negotiation: Negotiation) -> Intention:
         decided = period.phase is Phase.DONE
+        if self._settings.conduct is Conduct.IGNORES:
+            negotiation = negotiate.sailing_on(negotiation)
         return Intention(self.ship.id, period.index, negotiation.iteration, negotiation.told(), decided)

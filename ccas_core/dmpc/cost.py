@@ -49,18 +49,20 @@ def behaviour(
     mu_2: Scalar,
     mu_3: Scalar,
     r_2: Scalar,
+    side: Scalar,
     gamma_s: Scalar,
     gamma_y: Scalar,
 ) -> Scalar:
-    """One term of J^b, Eq. (9): act visibly or not at all, and rather to starboard.
+    """One term of J^b, Eq. (9): act visibly or not at all, and rather to starboard (`side` 1) than to port.
 
     Notes
     -----
     The print calls B_2 with two arguments of three; r_1 = mu_3, and r_2 is a parameter (0).
+    Where ships are to pass starboard to starboard, `side` is -1, and B_2 makes starboard dear.
     """
     change = offset - last_offset
     return (
         mu_1 * small_change_penalty(1.0 - speed_factor, gamma_s)
         + mu_2 * small_change_penalty(change, gamma_y)
-        + port_penalty(-change, mu_3, r_2)
+        + port_penalty(-side * change, mu_3, r_2)
     )

@@ -29,7 +29,9 @@ class LocalProblem:
     settings
         Weights, model constants, horizon N and penalty beta.
     offset_limits
-        Least and greatest offset at each control, (N, 2) [m]; with 0 <= u^s <= 1 the set U_i of (10d).
+        Least and greatest offset at each control, (N, 2) [m], and
+    speed_limits
+        speed factor, (N, 2), within [0, 1]: the set U_i of (10d).
     threats
         Neighbours and obstacles, (n, N, 6), as `risk.threat` makes them.
     multiplier
@@ -43,6 +45,7 @@ class LocalProblem:
     speed: float
     settings: Settings
     offset_limits: FloatArray
+    speed_limits: FloatArray
     threats: FloatArray
     multiplier: FloatArray
     broadcast: PathTrajectory
@@ -51,6 +54,7 @@ class LocalProblem:
         horizon = self.settings.horizon
         for name, shape in (
             ("offset_limits", (horizon, 2)),
+            ("speed_limits", (horizon, 2)),
             ("threats", (len(self.threats), horizon, 6)),
             ("multiplier", (horizon + 1, 3)),
         ):
@@ -83,6 +87,15 @@ class Solution:
     iterations: int
     seconds: float
     message: str = ""  # the solver's own words
+
+
+def free_speeds(horizon: int) -> FloatArray:
+    """Limits 0 <= u^s <= 1 of the speed factor, (N, 2).
+
+    >>> free_speeds(2).tolist()
+    [[0.0, 1.0], [0.0, 1.0]]
+    """
+    return np.tile([0.0, 1.0], (horizon, 1))
 
 
 def shifted(controls: FloatArray) -> FloatArray:

@@ -33,6 +33,7 @@ CONSTANTS = [
     "mu_2",
     "mu_3",
     "r_2",
+    "side",
     "gamma_s",
     "gamma_y",
     "beta",
@@ -64,7 +65,7 @@ def stage_model(threats: int) -> StageModel:
     motion = {key: named[key] for key in CONSTANTS[:5]}
     sailed = kinematics.step((x, y, course), offset, speed_factor, **motion)
     arguments = (offset, last_offset, speed_factor)
-    habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "gamma_s", "gamma_y")}
+    habits = {key: named[key] for key in ("mu_1", "mu_2", "mu_3", "r_2", "side", "gamma_s", "gamma_y")}
     effort = cost.control_effort(*arguments, named["K_y"], named["K_s"]) + cost.behaviour(
         *arguments, **habits
     )
@@ -125,8 +126,9 @@ def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:
 def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
     """Sail controls (N, 2) from the initial pose, held within their bounds."""
     limits = problem.offset_limits
+    speeds = problem.speed_limits
     offset = np.minimum(np.maximum(controls[:, 0], limits[:, 0]), limits[:, 1])
-    factor = np.minimum(np.maximum(controls[:, 1], 0.0), 1.0)
+    factor = np.minimum(np.maximum(controls[:, 1], speeds[:, 0]), speeds[:, 1])
     start = problem.initial
     motion = {
         "speed": problem.speed,

@@ -5,19 +5,22 @@ All are values: a `Negotiation` is carried from one iteration to the next by `ad
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory
+from ..priority import NO_BEARING, Bearing
 from ..ships import Hull, ShipId
 from . import nadmm
-from .local_problem import LocalPlan, LocalProblem, Solution
+from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
 from .risk import COLUMNS, threats
+from .stance import Memory, Seen, Stance, safest, take_stance
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
 
@@ -28,6 +31,9 @@ class Neighbour:
 
     hull: Hull
     trajectory: NedTrajectory
+    id: ShipId | None = None  # None for an obstacle
+    bearing: Bearing = NO_BEARING
+    unmoved: NedTrajectory | None = None  # where it would be if it went on as it is
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +55,9 @@ class Situation:
     speed: float  # nominal, U^d [m/s]
     settings: Settings
     offset_limits: FloatArray  # (N, 2) [m]
+    room: FloatArray  # offsets between which the hull keeps its margin to the banks, (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
+    memory: Memory = field(default_factory=Memory)  # of the roles, from the period before
     read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # rows of `risk.threats`, so far
 
 
@@ -61,6 +69,7 @@ class Negotiation:
     iteration: int
     iterate: nadmm.Iterate
     plan: LocalPlan
+    stance: Stance | None = None  # None before the first update, and where settings know no roles
     outcomes: tuple[Outcome, ...] = ()
     seconds: tuple[float, ...] = ()
     residuals: tuple[float, ...] = ()
@@ -101,6 +110,65 @@ def begin(situation: Situation) -> Negotiation:
     )
 
 
+def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiation:
+    """Take a stance before the first update, if the settings know roles: limits, starts, and the anchor."""
+    situation = negotiation.situation
+    roles = situation.settings.roles
+    if roles is None or negotiation.iteration > 0:
+        return negotiation
+    problem = _problem(situation, _threats(situation, ()))
+    stance = take_stance(
+        situation.hull,
+        problem,
+        situation.room,
+        situation.last_controls,
+        _seen(situation, neighbours),
+        situation.memory,
+        roles,
+    )
+    settled = replace(
+        situation,
+        settings=stance.settings,
+        offset_limits=stance.offset_limits,
+        memory=stance.memory,
+        read={},  # risk has changed with the weights
+    )
+    plan = rollout(replace(problem, speed_limits=stance.speed_limits), stance.anchor)
+    return replace(
+        negotiation,
+        situation=settled,
+        iterate=nadmm.start(plan.trajectory.poses),
+        plan=plan,
+        stance=stance,
+    )
+
+
+def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: FloatArray) -> Negotiation:
+    """Take a manoeuvre at hand instead of a plan that leads into a safety area, if one clears.
+
+    `limits` are those of the water, (N, 2) [m]; a ship that holds keeps its plan.
+    """
+    stance, situation = negotiation.stance, negotiation.situation
+    roles = situation.settings.roles
+    if roles is None or stance is None or not stance.memory.acting:
+        return negotiation
+    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=limits)
+    seen = _seen(situation, neighbours)
+    plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, stance, roles.clear_by)
+    if plan is None:
+        return negotiation
+    return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
+
+
+def sailing_on(negotiation: Negotiation) -> Negotiation:
+    """Go on along the guiding line whatever the others do: a ship that breaks its duty."""
+    situation = negotiation.situation
+    free = np.tile([-math.inf, math.inf], (situation.settings.horizon, 1))
+    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=free)
+    plan = rollout(problem, guess(Start.NOMINAL, free))
+    return replace(negotiation, plan=plan, iterate=nadmm.start(plan.trajectory.poses))
+
+
 def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> bool:
     """Whether wait(i) is false (step 4): all that decide before this ship have gone far enough.
 
@@ -119,13 +187,18 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     situation = negotiation.situation
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
-    return _problem(situation, _threats(situation, neighbours), half, negotiation.iterate.broadcast)
+    stance = negotiation.stance
+    dangers = _threats(situation, neighbours, stance.gains if stance else None)
+    problem = _problem(situation, dangers, half, negotiation.iterate.broadcast)
+    return replace(problem, speed_limits=stance.speed_limits) if stance else problem
 
 
 def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
     """Controls from which to solve: all starts at first, then the plan so far."""
     if negotiation.iteration > 0:
         return (negotiation.plan.controls,)
+    if negotiation.stance:
+        return negotiation.stance.starts
     situation = negotiation.situation
     starts = situation.settings.starts
     if situation.last_controls is None:
@@ -169,19 +242,51 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     return rollout(problem, slow), "the ship slows down"
 
 
-def _threats(situation: Situation, neighbours: Sequence[Neighbour]) -> FloatArray:
-    """Neighbours as the local problem sees them, in the own frame, (n, N, 6)."""
+def _threats(
+    situation: Situation, neighbours: Sequence[Neighbour], gains: Sequence[float] | None = None
+) -> FloatArray:
+    """Neighbours as the local problem sees them, in the own frame, (n, N, 6); `gains` are factors of K_ca.
+
+    A neighbour whose factor is zero is left out.
+    """
     settings = situation.settings
-    if not neighbours:
+    weighed = [
+        (each, gain)
+        for each, gain in zip(neighbours, gains or (1.0,) * len(neighbours), strict=True)
+        if gain > 0.0
+    ]
+    if not weighed:
         return np.empty((0, settings.horizon, COLUMNS))
-    new = [each for each in neighbours if each.trajectory not in situation.read]
+    new = [each for each, _ in weighed if each.trajectory not in situation.read]
     if new:
-        told = NedTrajectory(np.vstack([each.trajectory.poses for each in new]))
-        poses = situation.frame.trajectory_to_path(told).poses.reshape(len(new), settings.horizon + 1, 3)
+        poses = _in_path(situation, [each.trajectory for each in new])
         hulls = [each.hull for each in new]
-        rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights)
+        step = situation.speed * settings.kinematics.time_step
+        rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights, step)
         situation.read.update(zip((each.trajectory for each in new), rows, strict=True))
-    return np.array([situation.read[each.trajectory] for each in neighbours])
+    found = np.array([situation.read[each.trajectory] for each, _ in weighed])
+    found[:, :, 5] *= np.array([gain for _, gain in weighed])[:, None]
+    return found
+
+
+def _in_path(situation: Situation, told: Sequence[NedTrajectory]) -> FloatArray:
+    """Trajectories of one length in the own frame, (n, N + 1, 3), read at once."""
+    together = NedTrajectory(np.vstack([each.poses for each in told]))
+    poses = situation.frame.trajectory_to_path(together).poses
+    return poses.reshape(len(told), -1, 3)
+
+
+def _seen(situation: Situation, neighbours: Sequence[Neighbour]) -> list[Seen]:
+    """Neighbours as the stance sees them, in the own frame."""
+    if not neighbours:
+        return []
+    told = [each.trajectory for each in neighbours]
+    poses = _in_path(situation, [*told, *(each.unmoved or each.trajectory for each in neighbours)])
+    paths = [PathTrajectory(each) for each in poses]
+    return [
+        Seen(each.id, each.hull, path, each.bearing, unmoved if each.unmoved else None)
+        for each, path, unmoved in zip(neighbours, paths, paths[len(told) :], strict=False)
+    ]
 
 
 def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
@@ -206,6 +311,7 @@ def _problem(
         speed=situation.speed,
         settings=situation.settings,
         offset_limits=situation.offset_limits,
+        speed_limits=free_speeds(situation.settings.horizon),
         threats=dangers,
         multiplier=zero if multiplier is None else multiplier,
         broadcast=PathTrajectory(zero if broadcast is None else broadcast),

@@ -26,6 +26,7 @@ class RiskShape(StrEnum):
 
     COURSE_ALIGNED = "course_aligned"  # along the other ship's course, sized by both hulls
     AXIS_BOUND = "axis_bound"  # as printed: along the own ship's axes
+    FITTED = "fitted"  # around both hulls and the way that they make in a step, for any relative course
 
 
 class Anchor(StrEnum):
@@ -63,6 +64,7 @@ class Weights:
     mu_2: float = 1.0  # B_1 of the offset
     mu_3: float = 0.003  # r_1 of B_2 [1/m]
     r_2: float = 0.0  # r_2 of B_2 [m]
+    side: float = 1.0  # side that B_2 leaves free: 1 starboard, -1 port
     gamma_s: float = 0.0082  # width of B_1 of the speed factor
     gamma_y: float = 1.04  # width of B_1 of the offset [m^2]
 
@@ -89,6 +91,26 @@ class Kinematics:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Roles:
+    """How much a role weighs, and when it is fulfilled.  No number here depends on a ruleset."""
+
+    give_way: float = 5.0  # factor of K_ca towards a ship to which the own ship gives way, or that failed to
+    stand_on: float = 0.05  # the same, towards a ship that keeps clear
+    none: float = 1.0  # the same, towards others
+    steadiness: float = 5.0  # factor of mu_1, mu_2 of a ship that stands on
+    act_within: float = 15.0  # a ship acts if its line leads nearer than this to a safety area [m]
+    resume_beyond: float = 20.0  # and returns to its line if that leads no nearer than this [m]
+    clear_by: float = 5.0  # a plan that stays so far from all safety areas clears [m]
+    visible_offset: float = 12.0  # least offset of a ship that gives way to one side [m]
+    visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
+    swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
+    reserve: float = 2  # periods that a ship that stands on keeps in hand before it acts
+    crossing: Weights = field(
+        default_factory=lambda: Weights(K_y=5.0, mu_1=1.0)
+    )  # in place of `Settings.weights`
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """Everything a ship's controller is set to.  Frozen: a change is `dataclasses.replace`."""
 
@@ -103,6 +125,7 @@ class Settings:
     starts: tuple[Start, ...] = (Start.LAST,)
     anchor: Anchor = Anchor.LAST
     expectation: Expectation = Expectation.LAST_PLAN
+    roles: Roles | None = None  # None: the paper's controller, which knows no roles
 
     def __post_init__(self) -> None:
         if not 0.0 < self.relaxation < 2.0:
@@ -120,6 +143,25 @@ HEAD_ON: Final = Settings(
 )
 CROSSING: Final = Settings(weights=Weights(K_y=5.0), starts=(Start.LAST, Start.NOMINAL))
 PROFILES: Final = {Geometry.HEAD_ON: HEAD_ON, Geometry.OVERTAKING: HEAD_ON, Geometry.CROSSING: CROSSING}
+FAITHFUL: Final = Settings(
+    weights=Weights(K_ca=900.0, K_s=1.0, mu_1=5.0, mu_2=20.0),
+    risk=Risk(shape=RiskShape.FITTED, kappa_along=0.8, kappa_across=0.8),
+    roles=Roles(),
+)
+"""The default for all waters: roles towards each neighbour, profile by the encounters at hand."""
+
+
+def blended(one: Weights, other: Weights, share: float) -> Weights:
+    """Go over from one set of weights to another: positive weights by their logarithms.
+
+    >>> blended(Weights(K_y=0.01), Weights(K_y=1.0), 0.5).K_y
+    0.1
+    """
+    values = {}
+    for name in Weights.__dataclass_fields__:
+        a, b = getattr(one, name), getattr(other, name)
+        values[name] = a ** (1.0 - share) * b**share if a > 0.0 and b > 0.0 else a + share * (b - a)
+    return Weights(**values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +178,10 @@ class Parameter:
 
 def _weight(name: str, meaning: str) -> Parameter:
     return Parameter("weights", name, "", 0.0, 1e9, meaning)
+
+
+def _role(name: str, unit: str, meaning: str) -> Parameter:
+    return Parameter("roles", name, unit, 0.0, 1e3, meaning)
 
 
 PARAMETERS: Final[dict[str, Parameter]] = {
@@ -155,6 +201,16 @@ PARAMETERS: Final[dict[str, Parameter]] = {
     ),
     "alpha_x": Parameter("risk", "alpha_x", "m2", 1e-3, 1e9, "printed risk ellipse along the own axis"),
     "alpha_y": Parameter("risk", "alpha_y", "m2", 1e-3, 1e9, "printed risk ellipse across the own axis"),
+    "give_way_gain": _role("give_way", "", "factor of K_ca towards a ship to which one gives way"),
+    "stand_on_gain": _role("stand_on", "", "factor of K_ca towards a ship on which one relies"),
+    "free_gain": _role("none", "", "factor of K_ca towards other ships"),
+    "steadiness": _role("steadiness", "", "factor of mu_1 and mu_2 of a ship that stands on"),
+    "act_within": _role("act_within", "m", "gap of the own line within which a ship acts"),
+    "resume_beyond": _role("resume_beyond", "m", "gap of the own line beyond which it returns"),
+    "clear_by": _role("clear_by", "m", "gap by which a plan clears"),
+    "visible_offset": _role("visible_offset", "m", "least offset of a ship that gives way to one side"),
+    "visible_factor": _role("visible_factor", "", "greatest speed factor of a ship that begins to slow down"),
+    "reserve": _role("reserve", "", "periods that a ship that stands on keeps in hand"),
     "T_1": Parameter("kinematics", "time_constant", "s", 1e-3, 1e6, "time constant of the course"),
     "chi_max": Parameter("kinematics", "course_limit", "rad", 1e-3, math.pi / 2, "greatest steering angle"),
     "K_e": Parameter("kinematics", "steering_gain", "1/m", 1e-9, 1e3, "gain of the line-of-sight steering"),
@@ -164,7 +220,7 @@ PARAMETERS: Final[dict[str, Parameter]] = {
 
 
 def with_parameter(settings: Settings, name: str, value: float) -> Settings:
-    """Set one of `PARAMETERS`, in SI units.
+    """Set one of `PARAMETERS`, in SI units; those of roles change nothing where settings know no roles.
 
     >>> with_parameter(HEAD_ON, "K_y", 0.5).weights.K_y
     0.5
@@ -174,5 +230,11 @@ def with_parameter(settings: Settings, name: str, value: float) -> Settings:
         raise ValueError(f"{name} must lie in [{parameter.low:g}, {parameter.high:g}], got {value:g}")
     if not parameter.group:
         return replace(settings, **{parameter.name: value})  # type: ignore[arg-type]
-    group = replace(getattr(settings, parameter.group), **{parameter.name: value})
-    return replace(settings, **{parameter.group: group})
+    found = getattr(settings, parameter.group)
+    if found is None:
+        return settings
+    changed = replace(settings, **{parameter.group: replace(found, **{parameter.name: value})})
+    if parameter.group != "weights" or changed.roles is None:
+        return changed
+    crossing = replace(changed.roles.crossing, **{parameter.name: value})
+    return replace(changed, roles=replace(changed.roles, crossing=crossing))

@@ -26,7 +26,7 @@ from ..errors import Diagnostic, InputError
 from ..frames import FloatArray, PathPose, PathTrajectory
 from . import riccati_kernel as kernel
 from .casadi_to_numba import compiled_module, is_compiled
-from .local_problem import LocalPlan, LocalProblem, Solution
+from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
 from .parameters import Settings
@@ -161,6 +161,7 @@ class Riccati(AbstractLocalSolver):
                 speed=1.0,
                 settings=Settings(horizon=1),
                 offset_limits=np.zeros((1, 2)),
+                speed_limits=free_speeds(1),
                 threats=np.empty((0, 1, COLUMNS)),
                 multiplier=none.poses,
                 broadcast=none,
@@ -220,10 +221,9 @@ class Riccati(AbstractLocalSolver):
     def _batch(self, tasks: Sequence[Task], *, widen: bool) -> kernel.Batch:
         problems = [problem for problem, _ in tasks]
         guesses = [len(each) for _, each in tasks]
-        limits = np.array([problem.offset_limits for problem in problems])
-        low, high = np.zeros_like(limits), np.ones_like(limits)
-        low[:, :, 0], high[:, :, 0] = limits[:, :, 0], limits[:, :, 1]
-        anchors = np.empty((*limits.shape[:2], 6))
+        limits = np.array([(problem.offset_limits, problem.speed_limits) for problem in problems])
+        low, high = (np.ascontiguousarray(limits[..., side].transpose(0, 2, 1)) for side in (0, 1))
+        anchors = np.empty((*low.shape[:2], 6))
         anchors[:, :, :3] = [problem.multiplier[1:] for problem in problems]
         anchors[:, :, 3:] = [problem.broadcast.poses[1:] for problem in problems]
         starts = [(p.initial.x, p.initial.y, p.initial.course, p.last_offset) for p in problems]

@@ -225,8 +225,7 @@ class Ipopt(_NlpSolver):
         free = np.full(3 * horizon, np.inf)
 
         def bound(problem: LocalProblem, side: int) -> FloatArray:
-            factor = np.full(horizon, float(side))
-            pairs = np.column_stack([problem.offset_limits[:, side], factor])
+            pairs = np.column_stack([problem.offset_limits[:, side], problem.speed_limits[:, side]])
             return np.concatenate([free if side else -free, pairs.ravel()])
 
         return _Programme(
@@ -287,7 +286,7 @@ class Fatrop(_NlpSolver):
 
         def bound(problem: LocalProblem, side: int) -> FloatArray:
             free = np.full((horizon, STATES), np.inf if side else -np.inf)
-            rows = np.hstack([free, problem.offset_limits[:, [side]], np.full((horizon, 1), float(side))])
+            rows = np.hstack([free, problem.offset_limits[:, [side]], problem.speed_limits[:, [side]]])
             return np.concatenate([rows.ravel(), free[0]])
 
         def controls_of(found: FloatArray) -> FloatArray:

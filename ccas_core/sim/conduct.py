@@ -13,14 +13,15 @@ from typing import Final
 
 import numpy as np
 
-from ..frames import FloatArray, NedPose, PathFrame, PathTrajectory
+from ..frames import FloatArray, NedPose, PathFrame
 from ..priority import Settlement
 from ..roles import Geometry, PassingSide
 from ..ships import ShipId
 from ..verdict import Kind
 from .frame import Frame, ShipFrame
-from .hulls import STEP, Meeting, Track, clearances, instants, meeting, states, track, under_way
+from .hulls import Meeting, Track, clearances, instants, meeting, states, track, under_way
 from .scenario import Plan, Scenario
+from .undisturbed import undisturbed
 
 RISKY_WITHIN: Final = 10.0  # undisturbed clearance of a risky encounter [m]
 CALM_BEYOND: Final = 50.0  # undisturbed clearance of a calm encounter [m]
@@ -109,27 +110,18 @@ def judge(
 ) -> Judgement:
     """Judge one encounter by the definitions of risky, calm and faithful (contract)."""
     plans = {plan.ship.id: plan for plan in scenario.ships}
-    one, other = (_undisturbed(plans[id_], frames[encounter.begin], lines[id_]) for id_ in encounter.ships)
-    undisturbed = meeting(one, other)
-    if undisturbed is None:
+    now = frames[encounter.begin]
+    one, other = (
+        undisturbed(plans[id_], now.ships[id_].pose, now.time, lines[id_]) for id_ in encounter.ships
+    )
+    left_alone = meeting(one, other)
+    if left_alone is None:
         raise ValueError(f"{encounter.ships} were not under way together at frame {encounter.begin}")
-    risky = undisturbed.clearance <= RISKY_WITHIN
+    risky = left_alone.clearance <= RISKY_WITHIN
     faithful = None
     if risky and len(plans) == 2 and encounter.kind in (Kind.GIVE_WAY, Kind.MUTUAL):
-        faithful = _faithful(encounter, plans, frames, lines, undisturbed)
-    return Judgement(risky=risky, calm=undisturbed.clearance > CALM_BEYOND, faithful=faithful)
-
-
-def _undisturbed(plan: Plan, frame: Frame, line: PathFrame) -> Track:
-    """Sail on from a frame beside the guiding line, at the present offset and nominal speed, to its end."""
-    now = frame.ships[plan.ship.id]
-    here = line.to_path(now.pose)
-    steps = max(0, math.ceil((line.length - here.x) / plan.speed / STEP))
-    times = STEP * np.arange(steps + 1, dtype=np.float64)
-    x = np.minimum(here.x + plan.speed * times, max(line.length, here.x))
-    path = np.column_stack([x, np.full_like(x, here.y), np.zeros_like(x)])
-    poses = line.trajectory_to_ned(PathTrajectory(path)).poses
-    return Track(ship=plan.ship, times=frame.time + times, poses=poses)
+        faithful = _faithful(encounter, plans, frames, lines, left_alone)
+    return Judgement(risky=risky, calm=left_alone.clearance > CALM_BEYOND, faithful=faithful)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,18 +137,24 @@ def _in_force(plan: Plan, frames: Sequence[Frame], index: int) -> _InForce:
     return _InForce(before.offset, before.speed) if before else _InForce(0.0, plan.speed)
 
 
+def has_acted(frames: Sequence[Frame], id_: ShipId) -> bool:
+    """Whether a ship ever changed its offset or its speed so that others would see it."""
+    before = _InForce(0.0, 0.0)
+    return any(_acts(ship, before) for ship in states(frames, id_))
+
+
 def _faithful(
     encounter: Encounter,
     plans: Mapping[ShipId, Plan],
     frames: Sequence[Frame],
     lines: Mapping[ShipId, PathFrame],
-    undisturbed: Meeting,
+    left_alone: Meeting,
 ) -> bool:
     since = frames[encounter.begin :]
     in_force = {id_: _in_force(plans[id_], frames, encounter.begin) for id_ in encounter.ships}
     tcpa = _tcpa(*((since[0].ships[id_].pose, in_force[id_].speed) for id_ in encounter.ships))
     if tcpa <= 0.0:  # where a line bends, courses may part and the ships still meet
-        tcpa = undisturbed.time - since[0].time
+        tcpa = left_alone.time - since[0].time
     early = [frame for frame in since if frame.time < since[0].time + tcpa / 2.0]
     if not all(any(_acts(ship, in_force[id_]) for ship in states(early, id_)) for id_ in encounter.give_way):
         return False

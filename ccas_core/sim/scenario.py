@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from ..agent.events import Conduct
 from ..dmpc.parameters import RiskShape, Start, Wait
 from ..frames import NedPose
 from ..ships import Ship
@@ -28,6 +29,7 @@ class Plan:
     route: tuple[Leg, ...]
     start: NedPose
     speed: float  # nominal, U^d [m/s]
+    conduct: Conduct = Conduct.DUTIFUL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

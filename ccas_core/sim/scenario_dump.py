@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, TypeAlias
 
+from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS
 from ..frames import FloatArray
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME
@@ -103,6 +104,7 @@ def _plan_tree(plan: Plan, vocabulary: Vocabulary) -> dict[str, _Tree]:
         "course": ANGLE.write(full_circle(plan.start.course)),
         "speed": SPEED.write(plan.speed),
         **_facts_tree(plan.ship.facts, Scope.SHIP, vocabulary),
+        **({"conduct": plan.conduct} if plan.conduct is not Conduct.DUTIFUL else {}),
     }
 
 

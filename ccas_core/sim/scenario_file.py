@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
 from ..errors import ScenarioError, did_you_mean
 from ..findings import read_text
@@ -238,11 +239,12 @@ def _plan(
     course = reader.number(towards, ANGLE, _COURSE) if towards else None
     speed = reader.number(block.require("speed"), SPEED, _SPEED)
     facts = read_facts(reader, block.find("facts"), Scope.SHIP, vocabulary)
+    conduct = reader.choice(block.optional("conduct", "dutiful"), Conduct)
     if not block.done() or (line := _line(reader, legs, route, waters)) is None:
         return None
     start = _start(reader, at, NedPose(north, east, 0.0), course, line, waters.waterway(route[0].waterway))
     ship = Ship(id=ShipId(id_), hull=Hull(**size), mass=mass, facts=facts)
-    return Plan(ship=ship, route=route, start=start, speed=speed)
+    return Plan(ship=ship, route=route, start=start, speed=speed, conduct=conduct)
 
 
 def _leg(reader: Reader, node: Node, known: Collection[str]) -> Leg:

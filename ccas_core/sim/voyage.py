@@ -12,7 +12,7 @@ from ..agent.events import AgentSettings, Decision, Sensed
 from ..agent.period import PeriodLog, run_period
 from ..agent.reach import FORESIGHT, neighbours, reach, separation
 from ..agent.ship_agent import ShipAgent
-from ..dmpc.parameters import PROFILES, Settings, with_parameter
+from ..dmpc.parameters import FAITHFUL, PROFILES, Settings, with_parameter
 from ..dmpc.solvers import AbstractLocalSolver
 from ..frames import NedTrajectory, PathPose, frozen_array
 from ..priority import Opening, Settlement
@@ -105,7 +105,10 @@ def agent_settings(scenario: Scenario) -> AgentSettings:
     """Settings of every ship's agent: the two profiles of Sec. 5 with what the scenario overrides."""
     control = scenario.control
     profiles = {
-        geometry: chosen(profile, control, scenario.time_step) for geometry, profile in PROFILES.items()
+        geometry: chosen(
+            FAITHFUL if control.profile is Profile.AUTO else profile, control, scenario.time_step
+        )
+        for geometry, profile in PROFILES.items()
     }
     profile = None if control.profile is Profile.AUTO else Geometry(control.profile.value)
     return AgentSettings(profiles=profiles, profile=profile, deadlock_detection=control.deadlock_detection)
@@ -147,7 +150,8 @@ def _launched(
     scenario: Scenario, plan: Plan, rulesets: Mapping[str, AbstractRuleset], settings: AgentSettings
 ) -> _UnderWay:
     line = guiding_line(scenario.waters, plan.route)
-    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, settings)
+    own = replace(settings, conduct=plan.conduct)
+    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, own)
     return _UnderWay(plan=plan, line=line, pose=line.frame.to_path(plan.start), speed=plan.speed, agent=agent)
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
+    from ccas_core.sweep.spec import Sweep
 
 PLUGINS: Final = "CCAS_PLUGINS"  # environment variable with the names of the plugins that may be loaded
 
@@ -109,6 +110,21 @@ def scenario_file(name: str) -> Path:
     if path.is_file() or path.suffix in (".yaml", ".yml"):
         return path  # one that does not exist is refused by who reads it
     return ccas_scenarios.path(name)
+
+
+def read_sweep(name: str, plugins: Plugins) -> Sweep:
+    """Read a sweep file, or a shipped one of this name; scenarios that it names are found."""
+    import ccas_scenarios
+    from ccas_core.sweep.spec import load_sweep
+
+    path = Path(name)
+    file = path if path.is_file() or path.suffix in (".yaml", ".yml") else ccas_scenarios.path(name)
+    found = load_sweep(file, plugins.rulesets)
+    cells = tuple(
+        replace(cell, scenario=str(scenario_file(cell.scenario))) if cell.scenario else cell
+        for cell in found.cells
+    )
+    return replace(found, cells=cells)
 
 
 def read_scenario(name: str, plugins: Plugins, ruleset: str | None = None) -> Scenario:

@@ -28,6 +28,7 @@ from . import (
     scenarios,
     schema,
     simulate,
+    sweep,
     testing,
     verify_certificate,
 )
@@ -50,6 +51,7 @@ COMMANDS: Final[tuple[Callable[..., None], ...]] = (
     plugins.plugins,
     schema.schema,
     reproduce.reproduce,
+    sweep.sweep,
     bench.bench,
 )
 

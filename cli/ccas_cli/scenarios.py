@@ -6,10 +6,10 @@ from . import talk
 
 
 def scenarios(as_json: talk.AsJson = False) -> None:
-    """List the scenarios that are shipped, each with its title.
+    """List the scenarios and sweeps that are shipped, each with its title.
 
-    They are in sets: `tran2026` holds those of the paper. Other commands take the whole name, as
-    'tran2026/fig_12', or its last part where that is enough.
+    They are in sets: `tran2026` holds those of the paper, `sweeps` those for `ccas sweep`. Other commands
+    take the whole name, as 'tran2026/fig_12', or its last part where that is enough.
 
     Example:
         ccas scenarios --json

@@ -156,6 +156,17 @@ def test_predecessor_that_never_decides_does_not_keep_a_ship_beyond_its_deadline
     assert late.decision.speed_factor == 0.0
 
 
+def test_ship_goes_on_without_a_predecessor_that_stays_silent() -> None:
+    report, judged, _ = words_of_a()
+    ship = agent(B, TWO)
+    ship.step(0.0, [sensed(B), report])
+    ship.step(1.0, [])
+    ship.step(1.1, [judged])
+
+    assert ship.step(9.9, []).request is None
+    assert ship.step(10.0, []).request is not None
+
+
 def test_message_of_another_period_changes_nothing() -> None:
     report, judged, promise = words_of_a()
     ship = agent(B, TWO)

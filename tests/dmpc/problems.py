@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ccas_core.dmpc.local_problem import LocalProblem
+from ccas_core.dmpc.local_problem import LocalProblem, free_speeds
 from ccas_core.dmpc.model import rollout
 from ccas_core.dmpc.parameters import CROSSING, HEAD_ON, Settings, Start
 from ccas_core.dmpc.risk import threat
@@ -45,6 +45,7 @@ def random_problem(generator: np.random.Generator, threats: int | None = None) -
         speed=SPEED,
         settings=settings,
         offset_limits=np.tile([-60.0, 60.0], (horizon, 1)),
+        speed_limits=free_speeds(horizon),
         threats=np.array(rows).reshape(count, horizon, 6),
         multiplier=np.zeros((horizon + 1, 3)),
         broadcast=PathTrajectory(np.zeros((horizon + 1, 3))),

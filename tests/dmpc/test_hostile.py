@@ -40,6 +40,7 @@ def situation(
         speed=speed,
         settings=replace(HEAD_ON, horizon=horizon, starts=starts),
         offset_limits=np.tile([-60.0, 60.0], (horizon, 1)),
+        room=np.tile([-60.0, 60.0], (horizon, 1)),
         last_controls=None,
     )
 

@@ -32,6 +32,7 @@ def _random(seed: int, horizon: int = 12) -> tuple[LocalProblem, LocalPlan]:
         problem,
         settings=replace(problem.settings, horizon=horizon),
         offset_limits=problem.offset_limits[:horizon],
+        speed_limits=problem.speed_limits[:horizon],
         threats=problem.threats[:, :horizon],
         multiplier=generator.normal(0.0, 1e-2, (horizon + 1, 3)),
         broadcast=replace(problem.broadcast, poses=problem.broadcast.poses[: horizon + 1]),

@@ -16,7 +16,7 @@ import pytest
 
 from ccas_core.dmpc import casadi_to_numba
 from ccas_core.dmpc.casadi_to_numba import python_source
-from ccas_core.dmpc.local_problem import LocalPlan, LocalProblem
+from ccas_core.dmpc.local_problem import LocalPlan, LocalProblem, free_speeds
 from ccas_core.dmpc.model import (
     CONTROLS,
     STATES,
@@ -345,6 +345,7 @@ def test_any_horizon_is_solved(horizon: int, riccati: Riccati) -> None:
         problem,
         settings=settings,
         offset_limits=np.tile([-60.0, 60.0], (horizon, 1)),
+        speed_limits=free_speeds(horizon),
         threats=np.zeros((0, horizon, 6)),
         multiplier=np.zeros((horizon + 1, 3)),
         broadcast=PathTrajectory(line),

@@ -12,7 +12,8 @@ from ccas_core.dmpc.cost import behaviour, control_effort, port_penalty, small_c
 from ccas_core.dmpc.parameters import CROSSING, HEAD_ON
 
 HABITS = {
-    name: getattr(HEAD_ON.weights, name) for name in ("mu_1", "mu_2", "mu_3", "r_2", "gamma_s", "gamma_y")
+    name: getattr(HEAD_ON.weights, name)
+    for name in ("mu_1", "mu_2", "mu_3", "r_2", "side", "gamma_s", "gamma_y")
 }
 
 
@@ -76,6 +77,13 @@ def test_turn_to_port_is_a_falling_offset_and_costs_more_than_one_to_starboard()
     assert port - starboard == pytest.approx(2.0 * HABITS["mu_3"] * 20.0, rel=1e-6)
 
 
+def test_ships_that_are_to_pass_starboard_to_starboard_rather_turn_to_port() -> None:
+    habits = {**HABITS, "side": -1.0}
+    port, starboard = behaviour(-20.0, 0.0, 1.0, **habits), behaviour(20.0, 0.0, 1.0, **habits)
+
+    assert starboard - port == pytest.approx(2.0 * HABITS["mu_3"] * 20.0, rel=1e-6)
+
+
 def test_behaviour_is_the_sum_of_eq_9() -> None:
     habits = {**HABITS, "r_2": 0.3}
 
@@ -87,7 +95,7 @@ def test_behaviour_is_the_sum_of_eq_9() -> None:
 
 
 def test_symbols_give_the_same_numbers() -> None:
-    symbols = ca.SX.sym("symbols", 11)
+    symbols = ca.SX.sym("symbols", 12)
     offset, last, factor, K_y, K_s, *rest = ca.vertsplit(symbols)
     habits = dict(zip(HABITS, rest, strict=True))
     total = control_effort(offset, last, factor, K_y, K_s) + behaviour(offset, last, factor, **habits)
@@ -97,7 +105,7 @@ def test_symbols_give_the_same_numbers() -> None:
     for _ in range(100):
         offset_, last_ = map(float, generator.uniform(-60, 60, 2))
         factor_, K_y_, K_s_ = map(float, generator.uniform(0, 1, 3))
-        values = dict(zip(HABITS, map(float, generator.uniform(0.01, 2, 6)), strict=True))
+        values = dict(zip(HABITS, map(float, generator.uniform(0.01, 2, 7)), strict=True))
         numeric = control_effort(offset_, last_, factor_, K_y_, K_s_) + behaviour(
             offset_, last_, factor_, **values
         )

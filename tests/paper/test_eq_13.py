@@ -117,6 +117,7 @@ def meeting(settings: Settings = HEAD_ON, aside: float = 0.0) -> tuple[Negotiati
         speed=3.0,
         settings=settings,
         offset_limits=np.tile([-60.0, 60.0], (settings.horizon, 1)),
+        room=np.tile([-60.0, 60.0], (settings.horizon, 1)),
         last_controls=None,
     )
     other = ConstantVelocity().predict(NedPose(aside, 2300.0, -np.pi / 2), 3.0, settings.horizon, 20.0)

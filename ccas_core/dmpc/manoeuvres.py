@@ -1,0 +1,90 @@
+"""Manoeuvres at hand: plans that a navigator would think of first, sailed all at once.
+
+To one side by so much until the others are past; or slower by so much for so long; each at once, or after
+going on as before for some periods.  They are starts of the local problem, they say whether a ship can
+still get clear by itself, and one of them is sailed if the solver's answer does not clear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import casadi as ca
+import numpy as np
+
+from ..frames import FloatArray
+from .local_problem import LocalProblem
+from .model import CONTROLS, constants, stage_model
+
+OFFSETS: Final = (12.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)  # to either side [m]
+FACTORS: Final = (0.75, 0.5, 0.25, 0.0)  # of speed
+PERIODS: Final = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 36)  # for which a ship is slower
+DEAR: Final = 30.0  # offset that is as dear as a period lost [m]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Manoeuvres:
+    """Manoeuvres and where they lead."""
+
+    controls: FloatArray  # (M, N, 2)
+    paths: FloatArray  # (M, N + 1, 3), in the own path frame
+    side: FloatArray  # (M,): +1 to starboard, -1 to port, 0 neither
+    size: FloatArray  # (M,): greatest offset, or what the loss of time is worth [m]
+
+
+def at_hand(problem: LocalProblem, base: float, until: int, after: int = 0) -> Manoeuvres:
+    """Make the manoeuvres of a ship.
+
+    Parameters
+    ----------
+    problem
+        Of the ship: where it is, its limits, its model.
+    base
+        Offset at which it sails otherwise [m].
+    until
+        Periods after which it need not stay aside any more.
+    after
+        Periods for which it first goes on as it is.
+    """
+    horizon = problem.settings.horizon
+    low, high = problem.offset_limits[:, 0], problem.offset_limits[:, 1]
+    begin = min(after, horizon)
+    rows, sides, sizes = [], [], []
+    for side in (1.0, -1.0):
+        for size in OFFSETS:
+            offset = np.full(horizon, base)
+            offset[begin : max(until, begin + 1)] = side * size
+            rows.append(np.column_stack([np.clip(offset, low, high), np.ones(horizon)]))
+            sides.append(side)
+            sizes.append(size)
+    for factor in FACTORS:
+        for periods in PERIODS:
+            speed = np.ones(horizon)
+            speed[begin : begin + periods] = factor
+            rows.append(np.column_stack([np.clip(np.full(horizon, base), low, high), speed]))
+            sides.append(0.0)
+            sizes.append(DEAR * (1.0 - factor) * periods)
+    controls = np.array(rows)
+    return Manoeuvres(controls, sailed(problem, controls), np.array(sides), np.array(sizes))
+
+
+def sailed(problem: LocalProblem, controls: FloatArray) -> FloatArray:
+    """Sail many plans (M, N, 2) by the model: paths (M, N + 1, 3)."""
+    count, horizon = len(controls), controls.shape[1]
+    initial = problem.initial
+    state = np.array([initial.x, initial.y, initial.course, problem.last_offset])
+    run = _run(horizon, count)
+    columns = controls.transpose(2, 0, 1).reshape(CONTROLS, count * horizon)
+    fixed = np.asarray(constants(problem), dtype=np.float64)
+    found = run(np.tile(state[:, None], count), columns, np.tile(fixed[:, None], count * horizon))
+    paths = np.asarray(found, dtype=np.float64).reshape(4, count, horizon).transpose(1, 2, 0)[:, :, :3]
+    first = np.broadcast_to(state[:3], (count, 1, 3))
+    return np.concatenate([first, paths], axis=1)
+
+
+@cache
+def _run(horizon: int, count: int) -> ca.Function:
+    """Sail `horizon` stages of `count` plans."""
+    return stage_model(1).dynamics.mapaccum("run", horizon).map(count)

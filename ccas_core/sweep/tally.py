@@ -1,0 +1,152 @@
+"""What a sweep came to: counts by cell and ruleset, confidence bounds, worst cases."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from .case import Case, geometry
+from .workers import Status
+
+CONFIDENCE: Final = 0.95
+_MARKS: Final = ("collisions", "groundings", "frozen", "entries")  # worst first
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A case, what became of it, and what was kept of it or said by it."""
+
+    case: Case
+    status: Status
+    kept: dict[str, Any]
+
+
+def cell_entries(results: Iterable[Result]) -> list[dict[str, Any]]:
+    """Count by cell, ruleset and variant: the entries `cells` of `summary.json` (contract)."""
+    groups: dict[tuple[str, str, str], list[Result]] = {}
+    for each in results:
+        key = each.case.cell.name, each.case.ruleset, each.case.variant.name
+        groups.setdefault(key, []).append(each)
+    return [_entry(group) for group in groups.values()]
+
+
+def _entry(group: Sequence[Result]) -> dict[str, Any]:
+    first = group[0].case
+    done = [each.kept for each in group if each.status is Status.DONE]
+    encounters = [met for kept in done for met in kept["encounters"]]
+    judged = [met for met in encounters if met["faithful"] is not None]
+    calm = [kept for kept in done if kept["calm"]]
+    delays = [delay for kept in done for delay in _delays(kept)]
+    stand_on = [share for kept in done for share in _stand_on_delays(kept)]
+    changes = [max(kept["changes_of_mind"].values(), default=0) for kept in done]
+    indices = [kept["min_safety_index_m"] for kept in done if kept["min_safety_index_m"] is not None]
+    return {
+        "name": first.cell.name,
+        "ruleset": first.ruleset,
+        "variant": first.variant.name,
+        "geometry": geometry(first.cell),
+        "n": len(group),
+        "done": len(done),
+        "risky": sum(met["risky"] for met in encounters),
+        "judged": len(judged),
+        "faithful": sum(met["faithful"] for met in judged),
+        "kinds": dict(sorted(Counter(met["kind"] for met in encounters).items())),
+        "calm": len(calm),
+        "calm_acted": sum(bool(kept["acted"]) for kept in calm),
+        **{mark: sum(kept[mark] for kept in done) for mark in _MARKS},
+        "collision_rate_upper": upper_bound(sum(kept["collisions"] > 0 for kept in done), len(done)),
+        "min_safety_index_m": min(indices, default=None),
+        "mean_delay_s": _mean(delays),
+        "mean_stand_on_delay_share": _mean(stand_on),
+        "most_changes_of_mind": max(changes, default=0),
+        "mean_actions": _mean([float(n) for kept in done for n in kept["actions"].values()]),
+    }
+
+
+def _delays(kept: dict[str, Any]) -> Iterator[float]:
+    return (ship["delay_s"] for ship in kept["ships"].values() if ship["delay_s"] is not None)
+
+
+def _stand_on_delays(kept: dict[str, Any]) -> Iterator[float]:
+    """Delay of ships that stood on throughout, as a share of their undisturbed voyage."""
+    met = kept["encounters"]
+    gave_way = {id_ for each in met for id_ in each["give_way"]}
+    for id_ in {id_ for each in met for id_ in each["stand_on"]} - gave_way:
+        delay = kept["ships"][id_]["delay_s"]
+        if delay is not None:
+            yield delay / kept["undisturbed_s"][id_]
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return sum(values) / len(values) if values else None
+
+
+def upper_bound(count: int, n: int) -> float | None:
+    """Upper confidence bound of a rate (Clopper-Pearson, one-sided): what n cases with `count` hits allow.
+
+    >>> round(upper_bound(0, 300), 4)   # the rule of three
+    0.0099
+    """
+    if n == 0:
+        return None
+    if count >= n:
+        return 1.0
+    low, high = count / n, 1.0
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        if _at_most(count, n, middle) > 1.0 - CONFIDENCE:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _at_most(count: int, n: int, rate: float) -> float:
+    """Probability of at most `count` hits in n."""
+    log_rate, log_rest = math.log(rate), math.log1p(-rate)
+    terms = (
+        math.lgamma(n + 1) - math.lgamma(k + 1) - math.lgamma(n - k + 1) + k * log_rate + (n - k) * log_rest
+        for k in range(count + 1)
+    )
+    return sum(math.exp(term) for term in terms)
+
+
+def faults(result: Result) -> tuple[str, ...]:
+    """What is wrong with a case, worst first; empty where nothing is."""
+    if result.status is not Status.DONE:
+        return (str(result.status),)
+    kept = result.kept
+    found = [mark for mark in _MARKS if kept[mark]]
+    if any(met["faithful"] is False for met in kept["encounters"]):
+        found.append("unfaithful")
+    if kept["calm"] and kept["acted"]:
+        found.append("needless")
+    return tuple(found)
+
+
+def worst(results: Iterable[Result]) -> list[tuple[Result, tuple[str, ...]]]:
+    """All cases with a fault, the worst first, then by the least clearance."""
+    order = (*(str(status) for status in Status), *_MARKS, "unfaithful", "needless")
+    found = [(each, what) for each in results if (what := faults(each))]
+
+    def rank(pair: tuple[Result, tuple[str, ...]]) -> tuple[int, float, str]:
+        clearance = pair[0].kept.get("min_clearance_m")
+        return order.index(pair[1][0]), math.inf if clearance is None else clearance, pair[0].case.name
+
+    return sorted(found, key=rank)
+
+
+def summary(name: str, seed: int, results: Sequence[Result]) -> dict[str, Any]:
+    """Summarise a sweep: counts, not rates (contract), and what failed."""
+    statuses = Counter(str(each.status) for each in results if each.status is not Status.DONE)
+    return {
+        "schema": "ccas/sweep-summary@1",
+        "spec": name,
+        "seed": seed,
+        "cells": cell_entries(results),
+        "failures": dict(sorted(statuses.items())),
+        "worst": [{"case": each.case.name, "faults": list(what)} for each, what in worst(results)],
+    }
