@@ -81,7 +81,8 @@ def _table(entries: Sequence[Entry]) -> Iterator[str]:
     for entry in entries:
         by_name = {finding.property: finding for finding in entry.findings}
         cells = [_cell(by_name.get(name)) for name in names]
-        yield f"| [{entry.id}](#{entry.id.replace('|', '')}) | {' | '.join(cells)} |"
+        name, anchor = entry.id.replace("|", "\\|"), entry.id.replace("|", "")
+        yield f"| [{name}](#{anchor}) | {' | '.join(cells)} |"
 
 
 def _cell(finding: Finding | None) -> str:

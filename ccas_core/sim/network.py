@@ -15,7 +15,7 @@ import numpy as np
 from ..frames import FloatArray, PathPose, frozen_array
 from ..ships import Hull, Ship, ShipId
 from ..waterway import Leg, Towards, Waters, Waterway, guiding_line
-from .scenario import Plan, Scenario
+from .scenario import ControlChoice, Plan, Profile, Scenario
 
 FEWEST: Final = 10  # ships of a network
 SPACING: Final = 10_000.0  # between waterways of one direction, about [m]
@@ -52,7 +52,7 @@ class _Reach:
     crossings: tuple[tuple[float, str], ...]  # distance from the start [m], id of the other
 
 
-def network(ships: int, seed: int = 0, density: float = 0.5) -> Scenario:
+def network(ships: int, seed: int = 0, density: float = 0.5, profile: Profile = Profile.CROSSING) -> Scenario:
     """Lay out waterways, and put ships on them.
 
     Parameters
@@ -64,6 +64,8 @@ def network(ships: int, seed: int = 0, density: float = 0.5) -> Scenario:
     density
         Ships a kilometre of waterway.  The European network has some ten thousand vessels on
         some thirty thousand kilometres, and a few on each kilometre where it is busiest.
+    profile
+        Of all ships: the paper's for junctions, or `AUTO`, by which ships also weigh their roles.
     """
     if ships < FEWEST or not density > 0.0:
         raise ValueError(
@@ -80,7 +82,12 @@ def network(ships: int, seed: int = 0, density: float = 0.5) -> Scenario:
     lengths = np.array([reaches[name].waterway.frame(Towards.END).length for name, _ in lanes])
     for (name, towards), count in zip(lanes, _shared_out(ships, lengths), strict=True):
         plans += _lane(waters, reaches, name, towards, count, len(plans), generator)
-    return Scenario(name=f"network of {ships} ships", waters=waters, ships=tuple(plans))
+    return Scenario(
+        name=f"network of {ships} ships",
+        waters=waters,
+        ships=tuple(plans),
+        control=ControlChoice(profile=profile),
+    )
 
 
 def _reaches(lines: int, spacing: float) -> dict[str, _Reach]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from . import inputs, talk
 from .exits import answered
+
+if TYPE_CHECKING:
+    from ccas_core.sim.scenario import Profile
 
 VOYAGE: Final = "tran2026/fig_12"
 UPDATES: Final = "tran2026/six_ships"
@@ -24,6 +27,10 @@ def bench(
     scale: Annotated[
         str, typer.Option(metavar="NUMBERS", help="Ships in the networks, with commas; 0 for none.")
     ] = SCALE,
+    profile: Annotated[
+        str,
+        typer.Option(help="Of the ships in the networks: crossing, head_on (the paper), or auto."),
+    ] = "crossing",
     agreement: Annotated[
         int,
         typer.Option(
@@ -42,7 +49,8 @@ def bench(
     Updates: local problems of the six-ship voyage of Table 2 (N = 45), each solved by every solver from the
     same start; only the solver call is timed. "All starts" is riccati from all of its starts against one
     start of ipopt. The voyage is that of Fig. 12. Networks: waterways with junctions at 0.5 ships a
-    kilometre; one control period of 20 s with 3 iterations, from the reports to the rudder.
+    kilometre; one control period of 20 s with 3 iterations, from the reports to the rudder. Their ships
+    have the paper's controller for junctions; with --profile auto, the default at sea, they weigh roles, too.
 
     Example:
         ccas bench
@@ -50,6 +58,7 @@ def bench(
         ccas bench --agreement 2000 --scale 0 --json
     """
     sizes = _sizes(scale)
+    chosen = _profile(profile)
     suffixes = (".png", ".pdf", ".svg")
     if picture is not None and (picture.suffix not in suffixes or not picture.absolute().parent.is_dir()):
         raise typer.BadParameter(
@@ -81,7 +90,7 @@ def bench(
             result["agreement"].append(row)
             talk.note(f"N = {row['horizon']}: {row['problems']} problems, {row['worse']} worse")
     result["scale"] = []
-    for found in measuring.scale(sizes, rulesets, fast):
+    for found in measuring.scale(sizes, rulesets, fast, profile=chosen):
         result["scale"].append(found)
         talk.note(f"{found['ships']} ships: {found['seconds']:.2f} s a period")
     result["growth"] = _growth(result["scale"], "seconds")
@@ -109,6 +118,15 @@ def _sizes(text: str) -> list[int]:
         expected = f"numbers from {FEWEST_SHIPS} to {MOST_SHIPS} with commas, such as {SCALE}; or 0"
         raise typer.BadParameter(f"got {text!r}; expected {expected}")
     return sizes
+
+
+def _profile(name: str) -> Profile:
+    from ccas_core.sim.scenario import Profile
+
+    known = [each.value for each in Profile]
+    if name not in known:
+        raise typer.BadParameter(f"--profile: got {name!r}; expected one of {', '.join(known)}")
+    return Profile(name)
 
 
 def _growth(scale: Sequence[Mapping[str, Any]], key: str) -> float | None:
@@ -192,7 +210,7 @@ def _show_agreement(rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _show_scale(rows: Sequence[Mapping[str, Any]], growth: float | None, cpu_growth: float | None) -> None:
-    talk.show("\nnetworks, one control period of 20 s, 3 iterations")
+    talk.show(f"\nnetworks, one control period of 20 s, 3 iterations, profile {rows[0]['profile']}")
     talk.show_table(
         (">ships", ">period [s]", ">a ship [ms]", ">CPU [s]", ">first period [s]", ">encounters",
          ">generations", ">fallbacks", ">peak memory [MiB]"),

@@ -20,6 +20,7 @@ from ccas_core.dmpc.negotiate import guess
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.solvers import AbstractLocalSolver, Recorder, Task
 from ccas_core.sim.network import network
+from ccas_core.sim.scenario import Profile
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import load_scenario
 from ccas_core.sim.voyage import voyage
@@ -208,14 +209,18 @@ def sailed(scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: 
 
 
 def scale(
-    sizes: Sequence[int], rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver, seed: int = 0
+    sizes: Sequence[int],
+    rulesets: Mapping[str, AbstractRuleset],
+    solver: AbstractLocalSolver,
+    seed: int = 0,
+    profile: Profile = Profile.CROSSING,
 ) -> Iterator[dict[str, Any]]:
     """Sail networks of so many ships at one density: wall time of one control period, from reports to rudder.
 
     The first period, in which no ship has a plan yet, is reported apart.
     """
     for ships in sizes:
-        frames = voyage(network(ships, seed), rulesets, solver)
+        frames = voyage(network(ships, seed, profile=profile), rulesets, solver)
         began = time.perf_counter()
         next(frames)
         first, frame = time.perf_counter() - began, None
@@ -228,6 +233,7 @@ def scale(
         period = float(np.median(seconds))
         yield {
             "ships": ships,
+            "profile": profile.value,
             "seconds": period,
             "cost_per_ship_ms": 1000.0 * period / ships,
             "cpu_seconds": float(
