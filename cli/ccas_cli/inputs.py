@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import warnings
 from dataclasses import dataclass, replace
@@ -99,7 +100,18 @@ def ready_solver(name: str | None, *, quiet: bool = False) -> AbstractLocalSolve
     for remark in remarks:
         talk.note(str(remark.message))
     solver.prepare(None if quiet else talk.note)
+    _collect_seldom()
     return solver
+
+
+def _collect_seldom() -> None:
+    """Tell the collector that what is loaded stays, and that values of a voyage hold one another in no rings.
+
+    With ten thousand ships it would go through millions of values, again and again, and find nothing.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(200_000, 50, 100)
 
 
 def scenario_file(name: str) -> Path:
