@@ -14,6 +14,7 @@ from ..tapd.language.compiler import Compiler
 from ..tapd.rules import Claim, Waiver
 from ..tapd.written import WrittenRuleset
 from . import borders, claims, cycles, pairs, roles
+from .branches import unfolded
 from .findings import Fault, Finding, Outcome
 from .questions import Questions
 from .solver import Budget
@@ -55,6 +56,14 @@ class Task:
         """What may be asked of two ships."""
         return Questions((self.ruleset, self.ruleset), self.budget)
 
+    @cached_property
+    def followed(self) -> tuple[Task, tuple[str, ...]]:
+        """The same with a rule for each way through one in Python, and what could not be followed."""
+        if not any(rule.python for rule in self.ruleset.text.rules):
+            return self, ()
+        ruleset, left = unfolded(self.ruleset)
+        return Task(ruleset, self.budget, self.max_ships), left
+
 
 @dataclass(frozen=True, slots=True)
 class Property:
@@ -64,13 +73,24 @@ class Property:
     ask: Callable[[Task], Finding | None]
 
 
+def _followed(ask: Callable[[Questions], Finding | None]) -> Callable[[Task], Finding | None]:
+    """Ask about the ways through rules in Python; they themselves judge the ships that come of it."""
+
+    def asked(task: Task) -> Finding | None:
+        ways, left = task.followed
+        finding = ask(ways.questions)
+        return finding and replace(finding, notes=finding.notes + left)
+
+    return asked
+
+
 # The cheap ones come first, and those on which the others rest.
 PROPERTIES: Final = (
     Property("domain_not_empty", lambda task: pairs.domain_not_empty(task.questions)),
     Property("mirror_sound", lambda task: pairs.mirror_sound(task.questions)),
-    Property("consistent", lambda task: pairs.consistent(task.questions)),
-    Property("complete", lambda task: pairs.complete(task.questions)),
-    Property("exclusive", lambda task: pairs.exclusive(task.questions)),
+    Property("consistent", _followed(pairs.consistent)),
+    Property("complete", _followed(pairs.complete)),
+    Property("exclusive", _followed(pairs.exclusive)),
     Property("tie_break_total", lambda task: pairs.tie_break_total(task.questions)),
     Property("no_dead_rule", lambda task: pairs.no_dead_rule(task.questions)),
     Property("no_irrelevant_rule", lambda task: pairs.no_irrelevant_rule(task.questions)),

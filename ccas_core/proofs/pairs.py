@@ -89,7 +89,7 @@ def consistent(questions: Questions) -> Finding:
         rule = place.rule
         if rule.python:
             if not place.swapped:
-                tally.notes.append(f"rule '{rule.id}' is decided in Python, and tested only")
+                tally.open.append(f"rule '{rule.id}' is decided in Python that cannot be followed")
             continue
         if place.swapped:
             continue
