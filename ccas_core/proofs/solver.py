@@ -68,6 +68,7 @@ class Budget:
 
 LINEAR: Final = "linear reasoning"
 NONLINEAR: Final = "nonlinear reasoning"
+_INTERRUPTED: Final = ("canceled", "interrupted from keyboard")
 _RANDOM_PHASES: Final = 5  # the solver's name for them
 OUT_OF_TIME: Final = Answer(found=Found.UNDECIDED, method="no time is left")
 
@@ -104,7 +105,12 @@ def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str
         solver.set("phase_selection", _RANDOM_PHASES)
     solver.add(*assertions)
     began, most = time.perf_counter(), min(limit, budget.left)
-    outcome = solver.check()
+    try:
+        outcome = solver.check()
+    except z3.Z3Exception as stopped:  # Ctrl-C, if it comes while the question is still made ready
+        if any(word in str(stopped) for word in _INTERRUPTED):
+            raise KeyboardInterrupt from stopped
+        raise
     if outcome == z3.unknown and time.perf_counter() - began < _STOPPED_EARLY * most:
         _raise_if_interrupted(solver)
     if outcome == z3.unsat:
@@ -117,7 +123,7 @@ def _asked(assertions: Sequence[Term], budget: Budget, limit: float, method: str
 
 def _raise_if_interrupted(solver: z3.Solver) -> None:
     """The solver takes Ctrl-C for itself, and calls it as it calls the end of its time."""
-    if solver.reason_unknown() in ("canceled", "interrupted from keyboard"):
+    if solver.reason_unknown() in _INTERRUPTED:
         raise KeyboardInterrupt
 
 
