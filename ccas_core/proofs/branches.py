@@ -136,7 +136,28 @@ class Word(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a has
         return not self == other
 
 
-class Amount(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a hash
+class Ordered(Symbol):
+    """A symbol that is greater or less than another."""
+
+    __slots__ = ()
+
+    def _compared(self, other: object, relation: Callable[[Any, Any], bool]) -> bool:
+        raise NotImplementedError
+
+    def __lt__(self, other: object) -> bool:
+        return self._compared(other, operator.lt)
+
+    def __le__(self, other: object) -> bool:
+        return self._compared(other, operator.le)
+
+    def __gt__(self, other: object) -> bool:
+        return self._compared(other, operator.gt)
+
+    def __ge__(self, other: object) -> bool:
+        return self._compared(other, operator.ge)
+
+
+class Amount(Ordered):  # noqa: PLW1641 - nothing that stands for a value has a hash
     """A number: a polynomial in facts."""
 
     __slots__ = ("_value",)
@@ -178,18 +199,6 @@ class Amount(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a h
         formula = sign(self._value - _polynomial(other), *_SIGNS[relation])
         return self._oracle.ask(formula)
 
-    def __lt__(self, other: object) -> bool:
-        return self._compared(other, operator.lt)
-
-    def __le__(self, other: object) -> bool:
-        return self._compared(other, operator.le)
-
-    def __gt__(self, other: object) -> bool:
-        return self._compared(other, operator.gt)
-
-    def __ge__(self, other: object) -> bool:
-        return self._compared(other, operator.ge)
-
     def __eq__(self, other: object) -> bool:
         return self._compared(other, operator.eq)
 
@@ -197,7 +206,7 @@ class Amount(Symbol):  # noqa: PLW1641 - nothing that stands for a value has a h
         return self._compared(other, operator.ne)
 
 
-class Moving(Symbol):
+class Moving(Ordered):
     """A quantity of motion, which can be compared with a number."""
 
     __slots__ = ("_quantity",)
@@ -210,18 +219,6 @@ class Moving(Symbol):
         if isinstance(other, Symbol):
             raise Leaves("two quantities of motion are compared")
         return self._oracle.ask(motion.compared(self._quantity, _WORDS[relation], _polynomial(other)))
-
-    def __lt__(self, other: object) -> bool:
-        return self._compared(other, operator.lt)
-
-    def __le__(self, other: object) -> bool:
-        return self._compared(other, operator.le)
-
-    def __gt__(self, other: object) -> bool:
-        return self._compared(other, operator.gt)
-
-    def __ge__(self, other: object) -> bool:
-        return self._compared(other, operator.ge)
 
 
 def _polynomial(value: object) -> Polynomial:
