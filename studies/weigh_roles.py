@@ -15,12 +15,11 @@ import sys
 from pathlib import Path
 from typing import Any, Final
 
-from ccas_core import plugins
 from ccas_core.agent.events import Conduct
 from ccas_core.sweep.campaign import Progress, run
-from ccas_core.sweep.journal import code_digest
 from ccas_core.sweep.spec import Cell, Draw, Sweep, Variant
 from ccas_core.sweep.tally import cell_entries
+from ccas_core.sweep.task import program
 
 TRIED: Final = {
     "give_way_gain": (1.0, 20.0),
@@ -87,14 +86,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/weigh_roles"))
     given = parser.parse_args()
     sweep = study(given.count, given.seed, tuple(given.ruleset or ["tran2026"]))
-    code = code_digest(["ccas_core", *plugins.load().loaded.values()])
 
     def tell(progress: Progress) -> None:
         done = progress.known + progress.done
         if done % 50 == 0 or done == progress.total:
             print(f"{done} of {progress.total}", file=sys.stderr)
 
-    print("\n".join(table(cell_entries(run(sweep, given.out, code, tell)))))
+    print("\n".join(table(cell_entries(run(sweep, given.out, program(), tell)))))
 
 
 if __name__ == "__main__":

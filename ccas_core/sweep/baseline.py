@@ -18,18 +18,19 @@ from ..sim.scenario import Scenario
 from ..sim.voyage import chosen, voyage
 from ..waterway import guiding_line
 from .case import Case, scenario
-from .task import rulesets, solver
+from .task import Program, rulesets, solver
 
 
-def compare(case: Case) -> dict[str, Any]:
+def compare(case: Case, sent_by: Program) -> dict[str, Any]:
     """Sail a case, solve it jointly at its beginning, and compare over one horizon.
 
     `free` says whether the joint answer keeps all hulls out of all safety areas; the costs are those of the
     joint problem, for its answer and for the controls that the ships have sailed.
     """
     began = time.perf_counter()
-    sailed = scenario(case, rulesets())
-    frames = tuple(voyage(sailed, rulesets(), solver(case.solver)))
+    known = rulesets(sent_by)
+    sailed = scenario(case, known)
+    frames = tuple(voyage(sailed, known, solver(case.solver)))
     settings = chosen(FAITHFUL, sailed.control, sailed.time_step)
     ships = joint_ships(sailed, settings)
     own = sailed_controls(sailed, frames, settings.horizon)

@@ -12,6 +12,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,7 +27,7 @@ from .executor import execute
 from .journal import FILE, Journal
 from .spec import Sweep
 from .tally import Result, faults, summary, worst
-from .task import sail_case
+from .task import Program, sail_case
 from .workers import Status
 
 SUMMARY: Final = "summary.json"
@@ -51,6 +52,7 @@ COLUMNS: Final = (
     "min_safety_index_m",
     "calm",
     "acted",
+    "avoidable",
     "faithful",
     "max_delay_s",
     "changes_of_mind",
@@ -69,14 +71,14 @@ class Progress:
 
 
 def run(
-    sweep: Sweep, folder: Path, code: str, tell: Callable[[Progress], None] = lambda _: None
+    sweep: Sweep, folder: Path, sails: Program, tell: Callable[[Progress], None] = lambda _: None
 ) -> tuple[Result, ...]:
     """Sail what is not yet in the journal; all results, in the order of the specification.
 
     Parameters
     ----------
-    code
-        Digest of the program: results of another one do not count.
+    sails
+        The program that sails: results of another one do not count.
     tell
         Called after each case.
     """
@@ -84,7 +86,7 @@ def run(
         _refuse_strangers(folder)
         folder.mkdir(parents=True, exist_ok=True)
         journal = Journal(folder / FILE)
-        wanted = {case.key(code): case for case in cases(sweep)}
+        wanted = {case.key(sails.code): case for case in cases(sweep)}
         found = {
             key: Result(case, Status.DONE, journal.results[key])
             for key, case in wanted.items()
@@ -95,7 +97,7 @@ def run(
             progress.failures.update(faults(result))
         keys = {case: key for key, case in wanted.items() if key not in found}
         tell(progress)
-        for done in execute(sweep.executor, sail_case, list(keys), sweep.deadline):
+        for done in execute(sweep.executor, partial(sail_case, sent_by=sails), list(keys), sweep.deadline):
             key = keys[done.task]
             if done.status is Status.DONE:
                 kept = journal.add(key, done.task.name, done.result)
@@ -109,7 +111,7 @@ def run(
 
 
 def run_jointly(
-    sweep: Sweep, results: Sequence[Result], folder: Path, code: str, tell: Callable[[Progress], None]
+    sweep: Sweep, results: Sequence[Result], folder: Path, sails: Program, tell: Callable[[Progress], None]
 ) -> dict[str, dict[str, Any]]:
     """Solve groups by one mind as well: every one with a fault, and the first `jointly` of each cell.
 
@@ -123,11 +125,11 @@ def run_jointly(
         and (each.case.index < sweep.jointly or faults(each))
     ]
     journal = Journal(folder / FILE)
-    wanted = {f"joint-{case.key(code)}": case for case in chosen}
+    wanted = {f"joint-{case.key(sails.code)}": case for case in chosen}
     found = {case.name: journal.results[key] for key, case in wanted.items() if key in journal.results}
     keys = {case: key for key, case in wanted.items() if case.name not in found}
     progress = Progress(len(wanted), len(found))
-    for done in execute(sweep.executor, compare, list(keys), _JOINT_DEADLINE):
+    for done in execute(sweep.executor, partial(compare, sent_by=sails), list(keys), _JOINT_DEADLINE):
         result = done.result if done.status is Status.DONE else {"why": str(done.result)}
         if done.status is Status.DONE:
             result = journal.add(keys[done.task], done.task.name, result)
@@ -156,15 +158,20 @@ def write(
         for old in (folder / WORST).glob("*.yaml"):
             old.unlink()
         for each, _ in worst(results):
-            text = dump_scenario(scenario(each.case, rulesets))
+            try:
+                text = dump_scenario(scenario(each.case, rulesets))
+            except Exception:
+                if each.status is Status.DONE:
+                    raise
+                continue  # a case that cannot be made: the report has what was said
             (folder / WORST / f"{each.case.name}.yaml").write_text(text, encoding="utf-8")
         text = json.dumps(found, indent=2, allow_nan=False) + "\n"
         (folder / SUMMARY).write_text(text, encoding="utf-8")
     return found
 
 
-def write_parquet(results: tuple[Result, ...], file: Path) -> None:
-    """Write the table of cases as Parquet as well."""
+def parquet_writer() -> Callable[[Sequence[Result], Path], None]:
+    """What writes the table of cases as Parquet; refused at once where it cannot be had."""
     try:
         arrow, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
     except ImportError as error:
@@ -172,11 +179,15 @@ def write_parquet(results: tuple[Result, ...], file: Path) -> None:
         raise InputError(
             Diagnostic(source="--parquet", message=f"Parquet cannot be written: {error}", hint=hint)
         ) from error
-    with explained(file):
-        parquet.write_table(arrow.Table.from_pylist(list(_rows(results))), file)
+
+    def written(results: Sequence[Result], file: Path) -> None:
+        with explained(file):
+            parquet.write_table(arrow.Table.from_pylist(list(_rows(results))), file)
+
+    return written
 
 
-def _rows(results: tuple[Result, ...]) -> Iterator[dict[str, object]]:
+def _rows(results: Sequence[Result]) -> Iterator[dict[str, object]]:
     for each in results:
         case, kept = each.case, each.kept
         row: dict[str, object] = dict.fromkeys(COLUMNS)

@@ -28,6 +28,7 @@ from ..sim.voyage import undisturbed_times, voyage
 from ..tapd.ruleset import AbstractRuleset, Situation
 from ..waterway import guiding_line
 from ..world import ShipReport, World
+from .alone import could_avoid
 from .changes import actions, changes_of_mind
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from .groups import draw_junction, draw_reach
@@ -55,7 +56,8 @@ class Case:
 
     def key(self, code: str) -> str:
         """Digest of all that decides about the result; `code` is that of the program."""
-        text = json.dumps([asdict(self), code], sort_keys=True, default=str)
+        drawn = replace(self, cell=replace(self.cell, count=0))  # the same in a cell of any size
+        text = json.dumps([asdict(drawn), code], sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:20]
 
 
@@ -142,6 +144,7 @@ def sail(
     return frames, {
         **{key: found[key] for key in KEPT},
         **_two_ships(sailed, frames),
+        "avoidable": could_avoid(sailed, frames),
         "count": len(sailed.ships),
         "ships": found["ships"],
         "undisturbed_s": {str(id_): time for id_, time in undisturbed_times(sailed).items()},

@@ -1,24 +1,28 @@
 """Two-ship encounters drawn from a seed: head-on, crossing, overtaking; risky or calm as in `sim.conduct`.
 
 An encounter is drawn until the undisturbed hulls come as near as wanted.  The waterway leaves room:
-on either side of each ship the other can pass, within its greatest offset.
+on either side of each ship the other can pass, within its greatest offset.  Half of the crossings lie at the
+mouth of a side water: the ship on the narrower waterway comes out, the other is on the main one, and sign
+B.9 stands there, by which regulations rank two large ships that no other rule of theirs does.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
 from typing import Final
 
 import numpy as np
 
+from ..ships import FactValue, Ship
 from ..sim.conduct import CALM_BEYOND, RISKY_WITHIN
 from ..sim.hulls import Meeting, meeting
 from ..sim.scenario import ControlChoice, Plan, Scenario
 from ..sim.undisturbed import undisturbed
 from ..units import DEGREE
-from ..waterway import BANK_MARGIN, Leg, Towards, Waters, guiding_line
+from ..waterway import BANK_MARGIN, Leg, Towards, Waters, Waterway, guiding_line
 from .fleet import SPEEDS, draw_ship, draw_upstream, place, room_needed, straight
 
 TIMES: Final = (240.0, 840.0)  # to the conflict [s]
@@ -28,6 +32,7 @@ OVERTAKING_TIMES: Final = (240.0, 600.0)  # to the conflict [s]
 LEAD: Final = 0.8  # an overtaking ship is at least this much faster [m/s]
 SLACK: Final = 15.0  # water beside a passing ship, besides what safety areas take [m]
 RUN_OUT: Final = 400.0  # a route goes on for so long after the conflict [s]
+MOUTHS: Final = 0.5  # share of crossings at the mouth of a side water, under sign B.9
 ATTEMPTS: Final = 1000
 
 
@@ -155,13 +160,28 @@ def _crossing(rng: np.random.Generator, risk: Risk, ruleset: str) -> Scenario:
         waterways.append(straight(name, along + turned, reach, width, draw_upstream(rng)))
         lane = width / 2.0 - BANK_MARGIN - ship.hull.beam / 2.0 - SLACK
         legs.append(Leg(name, towards, _uniform(rng, -lane, lane)))
+    ships = [one, other]
+    if rng.random() < MOUTHS:
+        ships, waterways = _at_mouth(ships, waterways)
     waters = Waters(ruleset=ruleset, waterways=tuple(waterways))
     shift = _lines_meet(legs, courses)
     plans = tuple(
         place(waters, ship, leg, along - speed * arrival, speed)
-        for ship, leg, along, speed, arrival in zip((one, other), legs, shift, speeds, times, strict=True)
+        for ship, leg, along, speed, arrival in zip(ships, legs, shift, speeds, times, strict=True)
     )
     return scenario_of("crossing", waters, plans)
+
+
+def _at_mouth(ships: list[Ship], waterways: list[Waterway]) -> tuple[list[Ship], list[Waterway]]:
+    """Let the wider waterway be the main one: sign B.9 stands there, and the ship on the other comes out."""
+    main = max(range(len(ships)), key=lambda n: waterways[n].width)
+    facts: list[dict[str, FactValue]] = [{"manoeuvre": "entering_main"} for _ in ships]
+    facts[main] = {"on_main_fairway": True}
+    signed = replace(waterways[main], facts={**waterways[main].facts, "sign_b9": True})
+    return (
+        [replace(ship, facts={**ship.facts, **more}) for ship, more in zip(ships, facts, strict=True)],
+        [signed if n == main else each for n, each in enumerate(waterways)],
+    )
 
 
 def _lines_meet(legs: list[Leg], courses: tuple[float, float]) -> tuple[float, float]:

@@ -6,14 +6,13 @@ needs the extra `dask` here and CCAS on its workers.
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from ..errors import Diagnostic, InputError
-from . import workers
-from .workers import Done, Status
+from . import dask_cluster, workers
+from .workers import Done
 
 _T = TypeVar("_T")
 
@@ -27,7 +26,7 @@ def execute(
         count = int(rest) if rest else os.cpu_count() or 1
         return workers.run(do, tasks, workers=min(count, max(1, len(tasks))), deadline=deadline)
     if kind in ("tcp", "tls") and rest.startswith("//"):
-        return _dask(executor, do, tasks)
+        return dask_cluster.run(do, tasks, address=executor, deadline=deadline)
     raise InputError(
         Diagnostic(
             source="executor",
@@ -35,24 +34,3 @@ def execute(
             expected="local, local:N with N at least 1, or tcp://host:port of a Dask scheduler",
         )
     )
-
-
-def _dask(address: str, do: Callable[[_T], Any], tasks: Sequence[_T]) -> Iterator[Done[_T]]:
-    try:
-        distributed = importlib.import_module("distributed")
-    except ImportError as error:
-        hint = "install it with `pip install 'ccas[dask]'`, or use executor 'local'"
-        raise InputError(
-            Diagnostic(source="executor", message=f"Dask cannot be used: {error}", hint=hint)
-        ) from error
-    with distributed.Client(address) as client:
-        futures = {client.submit(do, task, pure=False): task for task in tasks}
-        for future in distributed.as_completed(futures):
-            task = futures[future]
-            if future.status == "finished":
-                yield Done(task, Status.DONE, future.result())
-            else:
-                raised = future.exception()
-                died = type(raised).__name__ == "KilledWorker"
-                status = Status.DIED if died else Status.FAILED
-                yield Done(task, status, f"{type(raised).__name__}: {raised}")

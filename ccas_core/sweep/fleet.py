@@ -49,8 +49,8 @@ def draw_propulsion(rng: np.random.Generator, hull: Hull) -> str:
 
 
 def draw_upstream(rng: np.random.Generator) -> Towards:
-    """Draw which end of a waterway lies upstream, if any: rivers and canals are as frequent."""
-    return (Towards.NONE, Towards.NONE, Towards.START, Towards.END)[int(rng.integers(4))]
+    """Draw which end of a waterway lies upstream, if any: two rivers to a canal."""
+    return (Towards.NONE, Towards.START, Towards.END)[int(rng.integers(3))]
 
 
 def straight(

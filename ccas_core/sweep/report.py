@@ -90,6 +90,7 @@ def _named(cell: Mapping[str, Any]) -> list[tuple[str, bool]]:
 def _counts(cells: Sequence[Mapping[str, Any]]) -> str:
     head = ("cell", "ruleset", "n", "not done", "risky", "judged", "faithful", "calm", "calm, acted")
     marks = ("collisions", "entries", "groundings", "frozen")
+    alone = ("avoidable alone", "of these, collisions")
     rows = []
     for cell in cells:
         row = _named(cell)
@@ -97,8 +98,10 @@ def _counts(cells: Sequence[Mapping[str, Any]]) -> str:
         row += [(str(cell[key]), False) for key in ("risky", "judged")]
         row += [(str(cell["faithful"]), cell["faithful"] < cell["judged"]), (str(cell["calm"]), False)]
         row += [(str(cell[key]), cell[key] > 0) for key in ("calm_acted", *marks)]
+        row += [(str(cell["avoidable"]), False)]
+        row += [(str(cell["avoidable_collisions"]), cell["avoidable_collisions"] > 0)]
         rows.append(row)
-    return _table((*head, *marks), rows)
+    return _table((*head, *marks, *alone), rows)
 
 
 def _rates(cells: Sequence[Mapping[str, Any]]) -> str:

@@ -39,6 +39,7 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
     encounters = [met for kept in done for met in kept["encounters"]]
     judged = [met for met in encounters if met["faithful"] is not None]
     calm = [kept for kept in done if kept["calm"]]
+    avoidable = [kept for kept in done if kept["avoidable"]]
     delays = [delay for kept in done for delay in _delays(kept)]
     stand_on = [share for kept in done for share in _stand_on_delays(kept)]
     changes = [max(kept["changes_of_mind"].values(), default=0) for kept in done]
@@ -57,6 +58,8 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
         "calm": len(calm),
         "calm_acted": sum(bool(kept["acted"]) for kept in calm),
         **{mark: sum(kept[mark] for kept in done) for mark in _MARKS},
+        "avoidable": len(avoidable),
+        "avoidable_collisions": sum(kept["collisions"] for kept in avoidable),
         "collision_rate_upper": upper_bound(sum(kept["collisions"] > 0 for kept in done), len(done)),
         "min_safety_index_m": min(indices, default=None),
         "mean_delay_s": _mean(delays),

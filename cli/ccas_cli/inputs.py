@@ -76,11 +76,16 @@ class Wanted:
         return None if names is None else frozenset(filter(None, (each.strip() for each in names.split(","))))
 
 
+def wanted_plugins(context: typer.Context) -> Wanted:
+    """What was asked of plugins before the name of this command."""
+    return context.obj if isinstance(context.obj, Wanted) else Wanted()
+
+
 def ask_plugins(context: typer.Context) -> Plugins:
     """Load all plugins, for a command that tells itself what was left out."""
     from ccas_core import plugins
 
-    wanted = context.obj if isinstance(context.obj, Wanted) else Wanted()
+    wanted = wanted_plugins(context)
     trace = (lambda line: talk.note(f"hook: {line}")) if wanted.trace else None
     found = plugins.load(trace=trace, only=wanted.only)
     for name in sorted(

@@ -60,6 +60,16 @@ def sweep(
             show_default=False,
         ),
     ] = None,
+    limit: Annotated[
+        int | None,
+        typer.Option(
+            "--limit",
+            metavar="N",
+            min=1,
+            help="At most so many cases of each cell, ruleset and variant; the rest can follow later.",
+            show_default=False,
+        ),
+    ] = None,
     parquet: Annotated[bool, typer.Option("--parquet", help="Write the table as Parquet as well.")] = False,
     as_json: talk.AsJson = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress on stderr.")] = False,
@@ -74,23 +84,24 @@ def sweep(
     Example:
         ccas sweep two_ship_short --seed 7 --out runs/seven
     """
-    from ccas_core.sweep.campaign import run, run_jointly, write, write_parquet
-    from ccas_core.sweep.journal import code_digest
+    from ccas_core.sweep.campaign import parquet_writer, run, run_jointly, write
     from ccas_core.sweep.report import write_report
+    from ccas_core.sweep.task import program
 
+    write_table = parquet_writer() if parquet else None
     plugins = inputs.load_plugins(context)
-    wanted = _specified(inputs.read_sweep(spec, plugins), seed, ruleset, executor)
+    wanted = _specified(inputs.read_sweep(spec, plugins), seed, ruleset, executor, limit)
     for id_ in wanted.rulesets:
         plugins.ruleset(id_)  # refuses one that is not known
     folder = out or Path("runs", f"{wanted.name}-{wanted.seed}")
-    code = code_digest(["ccas_core", *(module.partition(".")[0] for module in plugins.loaded.values())])
+    sails = program(inputs.wanted_plugins(context).only)
     teller = _Teller(quiet=quiet)
-    results = run(wanted, folder, code, teller.tell)
+    results = run(wanted, folder, sails, teller.tell)
     teller.end()
-    jointly = run_jointly(wanted, results, folder, code, _Teller(quiet=quiet).tell)
+    jointly = run_jointly(wanted, results, folder, sails, _Teller(quiet=quiet).tell)
     found = write(wanted, results, jointly, folder, plugins.rulesets)
-    if parquet:
-        write_parquet(results, folder / "cases.parquet")
+    if write_table:
+        write_table(results, folder / "cases.parquet")
     report = write_report(wanted, results, found, folder, plugins.rulesets)
     if as_json:
         talk.show_json(found)
@@ -100,13 +111,16 @@ def sweep(
         raise typer.Exit(Code.FINDINGS)
 
 
-def _specified(wanted: Sweep, seed: int | None, rulesets: list[str] | None, executor: str | None) -> Sweep:
+def _specified(
+    wanted: Sweep, seed: int | None, rulesets: list[str] | None, executor: str | None, limit: int | None
+) -> Sweep:
     """Put what the command line says in place of what the file says."""
     return replace(
         wanted,
         seed=wanted.seed if seed is None else seed,
         rulesets=tuple(rulesets) if rulesets else wanted.rulesets,
         executor=executor or wanted.executor,
+        cells=tuple(replace(cell, count=min(cell.count, limit or cell.count)) for cell in wanted.cells),
     )
 
 

@@ -17,7 +17,7 @@ from ccas_core.sweep.journal import FILE, Journal, code_digest
 from ccas_core.sweep.report import write_report
 from ccas_core.sweep.spec import load_sweep, parse_sweep
 from ccas_core.sweep.tally import Result, faults, upper_bound, worst
-from ccas_core.sweep.task import sail_case
+from ccas_core.sweep.task import Program, program, sail_case
 from ccas_core.sweep.workers import Status
 from ccas_scenarios import names, path
 
@@ -57,9 +57,9 @@ def test_a_sweep_counts_goes_on_where_it_stopped_and_is_not_run_again(tmp_path: 
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(sweep, tmp_path / "out", "code", stop)
-    results = run(sweep, tmp_path / "out", "code", lambda progress: told.append(progress.known))
-    again = run(sweep, tmp_path / "out", "code", lambda progress: told.append(progress.known))
+        run(sweep, tmp_path / "out", program(), stop)
+    results = run(sweep, tmp_path / "out", program(), lambda progress: told.append(progress.known))
+    again = run(sweep, tmp_path / "out", program(), lambda progress: told.append(progress.known))
     summary = write(sweep, results, {}, tmp_path / "out", plugins.load().rulesets)
     report = write_report(sweep, results, summary, tmp_path / "out", plugins.load().rulesets)
 
@@ -86,7 +86,7 @@ def test_a_case_is_the_same_wherever_it_is_sailed_and_its_file_replays_it(tmp_pa
     file = tmp_path / "case.yaml"
     file.write_text(dump_scenario(scenario(case, rulesets)), encoding="utf-8")
 
-    once, twice = sail_case(case), sail_case(case)
+    once, twice = sail_case(case, program()), sail_case(case, program())
 
     assert {**once, "seconds": 0} == {**twice, "seconds": 0}
     assert load_scenario(file).ships == scenario(case, rulesets).ships
@@ -98,6 +98,31 @@ def test_another_seed_or_another_code_is_another_case() -> None:
 
     assert len({case.key("a"), case.key("b"), other.key("a")}) == 3
     assert code_digest(["ccas_core"]) == code_digest(["ccas_core"]) != code_digest(["ccas_scenarios"])
+
+
+def test_a_case_is_the_same_in_a_cell_of_any_size() -> None:
+    few, many = (next(cases(parse_sweep(SPEC.replace("count: 2", f"count: {n}")))) for n in (2, 9))
+
+    assert few.key("a") == many.key("a")
+
+
+def test_a_worker_with_another_program_refuses_a_case() -> None:
+    case = next(cases(parse_sweep(SPEC)))
+
+    with pytest.raises(RuntimeError, match="other sources or plugins"):
+        sail_case(case, Program(None, "sources of last week"))
+
+
+def test_a_case_that_fails_is_named_and_the_rest_goes_on(tmp_path: Path) -> None:
+    broken = SPEC + "  - {name: lost, scenario: nowhere.yaml}\n"
+
+    results = run(parse_sweep(broken), tmp_path / "out", program())
+    summary = write(parse_sweep(broken), results, {}, tmp_path / "out", plugins.load().rulesets)
+
+    assert [each.status for each in results].count(Status.DONE) == 5
+    assert summary["failures"] == {"failed": 1}
+    assert summary["worst"][0] == {"case": "lost-tran2026-00000", "faults": ["failed"]}
+    assert "nowhere.yaml" in next(str(each.kept["why"]) for each in results if each.status is Status.FAILED)
 
 
 def test_a_journal_that_was_cut_off_is_read_up_to_there(tmp_path: Path) -> None:
@@ -116,7 +141,7 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("dear all")
 
     with pytest.raises(InputError, match="not empty and not a sweep"):
-        run(parse_sweep(SPEC), tmp_path, "code")
+        run(parse_sweep(SPEC), tmp_path, program())
 
 
 @pytest.mark.parametrize(
@@ -142,6 +167,7 @@ def kept(**changes: object) -> dict[str, object]:
         "min_clearance_m": 20.0,
         "calm": False,
         "acted": True,
+        "avoidable": None,
         "encounters": [],
         **changes,
     }

@@ -7,12 +7,14 @@ import itertools
 import numpy as np
 import pytest
 
+from ccas_core import plugins
 from ccas_core.sim.conduct import CALM_BEYOND, RISKY_WITHIN
 from ccas_core.sim.hulls import Track, clearances
 from ccas_core.sim.scenario import Plan, Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import parse_scenario
 from ccas_core.sim.undisturbed import undisturbed
+from ccas_core.sweep.case import first_order
 from ccas_core.sweep.draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from ccas_core.sweep.fleet import room_needed
 from ccas_core.sweep.groups import APART, draw_junction, draw_reach
@@ -79,6 +81,26 @@ def test_facts_say_what_the_chart_says() -> None:
             assert plan.ship.facts["direction"] == bound
             assert plan.ship.facts["follows_starboard_side"] is (leg.offset >= 5.0)
             assert plan.ship.facts["propulsion"] in {"motor", "sail", "muscle"}
+
+
+def test_at_a_mouth_the_ship_on_the_narrower_waterway_comes_out_and_the_sign_ranks_large_ships() -> None:
+    rulesets = plugins.load().rulesets
+    mouths = 0
+    for index in range(60):
+        scenario = draw_encounter(np.random.default_rng([3, index]), Kind.CROSSING, Risk.RISKY, "ccnr")
+        facts = {plan.route[0].waterway: plan.ship.facts for plan in scenario.ships}
+        main = max(scenario.waters.waterways, key=lambda each: each.width)
+        if not main.facts.get("sign_b9"):
+            assert all("manoeuvre" not in each for each in facts.values())
+            continue
+        mouths += 1
+        assert facts[main.id]["on_main_fairway"] is True
+        (out,) = (plan for plan in scenario.ships if plan.route[0].waterway != main.id)
+        assert out.ship.facts["manoeuvre"] == "entering_main"
+        if all(plan.ship.hull.length >= 20.0 for plan in scenario.ships):
+            (met,) = first_order(scenario, rulesets).settlements
+            assert met.one.give_way == (out.ship.id,)
+    assert 18 <= mouths <= 42
 
 
 @pytest.mark.parametrize("draw", [draw_junction, draw_reach])
