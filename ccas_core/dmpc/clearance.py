@@ -8,15 +8,22 @@ negative where they overlap.
 
 from __future__ import annotations
 
-from typing import Final
+import math
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from ..frames import FloatArray
 from ..ships import Hull
+from .casadi_to_numba import compiled_module
 
 FAR: Final = 60.0  # gaps of plans that stay farther away are told by the centres alone [m]
 LOOKS: Final = 5  # in a step; a ship moves by less than its beam and length between two of them
+
+Sizes: TypeAlias = tuple[float, float, float, float]  # of a hull and of its safety area: length, beam [m]
 
 
 def gaps(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatArray:
@@ -36,39 +43,75 @@ def gaps(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatA
     >>> gaps(hull, here, hull, there).tolist()  # 30 - 10 / 2 - 15 / 2
     [[17.5]]
     """
-    reach = (own.safety_length + own.safety_beam + other.safety_length + other.safety_beam) / 2.0
-    here, there = plans[:, :, :2], poses[None, :, :2]
-    away = np.hypot(*np.moveaxis(there - here, 2, 0))
-    way = np.hypot(*np.moveaxis(np.diff(there - here, axis=1), 2, 0))  # towards one another, in a step
-    least = np.minimum(away[:, :-1], away[:, 1:]) - way / 2.0 - reach  # never more than the gap
-    near = np.any(least < FAR, axis=1)
-    if np.any(near):
-        least[near] = _exact(own, plans[near], other, poses)
-    return np.asarray(least)
+    least = np.empty((len(plans), plans.shape[1] - 1))
+    _loop()(_sizes(own), plans, _sizes(other), poses, least)
+    return least
 
 
-def _exact(own: Hull, plans: FloatArray, other: Hull, poses: FloatArray) -> FloatArray:
-    """Gaps by the axes of both hulls, at all looks."""
-    here, there = _looks(plans), _looks(poses[None])
-    apart = there[..., :2] - here[..., :2]
-    turned = there[..., 2] - here[..., 2]
-    cos, sin = np.abs(np.cos(turned)), np.abs(np.sin(turned))
-    along_own, aside_own = _seen(apart, here[..., 2])
-    along_other, aside_other = _seen(apart, there[..., 2])
-    both = []
-    for (a, b), (c, d) in (
-        ((own.length, own.beam), (other.safety_length, other.safety_beam)),
-        ((own.safety_length, own.safety_beam), (other.length, other.beam)),
-    ):
-        axes = (
-            along_own - (a + c * cos + d * sin) / 2.0,
-            aside_own - (b + c * sin + d * cos) / 2.0,
-            along_other - (c + a * cos + b * sin) / 2.0,
-            aside_other - (d + a * sin + b * cos) / 2.0,
-        )
-        both.append(np.maximum.reduce(axes))
-    least = np.minimum(*both)
-    return np.asarray(least.reshape(len(plans), -1, LOOKS).min(axis=2))
+def find_gaps(own: Sizes, plans: FloatArray, other: Sizes, poses: FloatArray, least: FloatArray) -> None:
+    """Write the gaps of all plans into `least`; those that cannot be a plan's least, as bounds.
+
+    One of two axes at right angles sees at least a distance over sqrt(2).  Where even that leaves a greater
+    gap than there is in the step in which the centres are nearest, a step need not be looked at.
+    """
+    reach = (own[2] + own[3] + other[2] + other[3]) / 2.0
+    for m in range(least.shape[0]):
+        plan = plans[m]
+        nearest, bound = 0, math.inf
+        x, y = poses[0, 0] - plan[0, 0], poses[0, 1] - plan[0, 1]
+        away = math.hypot(x, y)
+        for k in range(least.shape[1]):
+            new_x, new_y = poses[k + 1, 0] - plan[k + 1, 0], poses[k + 1, 1] - plan[k + 1, 1]
+            new_away = math.hypot(new_x, new_y)
+            way = math.hypot(new_x - x, new_y - y)  # towards one another
+            least[m, k] = min(away, new_away) - way / 2.0 - reach
+            if least[m, k] < bound:
+                nearest, bound = k, least[m, k]
+            x, y, away = new_x, new_y, new_away
+        if bound < FAR:
+            worth = max(FAR, gap_in_step(own, plan, other, poses, nearest))
+            worth = math.sqrt(2.0) * (worth + reach) - reach
+            for k in range(least.shape[1]):
+                if least[m, k] <= worth:
+                    least[m, k] = gap_in_step(own, plan, other, poses, k)
+
+
+def gap_in_step(own: Sizes, plan: FloatArray, other: Sizes, poses: FloatArray, k: int) -> float:
+    """Gap between two ships in step k, by the axes of both, at all looks."""
+    course, other_course = plan[k + 1, 2], poses[k + 1, 2]
+    cos, sin = abs(math.cos(other_course - course)), abs(math.sin(other_course - course))
+    own_cos, own_sin = math.cos(course), math.sin(course)
+    other_cos, other_sin = math.cos(other_course), math.sin(other_course)
+    least = math.inf
+    for look in range(1, LOOKS + 1):
+        share = look / LOOKS
+        x = poses[k, 0] + share * (poses[k + 1, 0] - poses[k, 0])
+        x -= plan[k, 0] + share * (plan[k + 1, 0] - plan[k, 0])
+        y = poses[k, 1] + share * (poses[k + 1, 1] - poses[k, 1])
+        y -= plan[k, 1] + share * (plan[k + 1, 1] - plan[k, 1])
+        along, aside = abs(own_cos * x + own_sin * y), abs(own_cos * y - own_sin * x)
+        other_along, other_aside = abs(other_cos * x + other_sin * y), abs(other_cos * y - other_sin * x)
+        for area in (0, 2):  # the own hull and the other's safety area, then the other way round
+            a, b, c, d = own[area], own[area + 1], other[2 - area], other[3 - area]
+            gap = max(along - (a + c * cos + d * sin) / 2.0, aside - (b + c * sin + d * cos) / 2.0)
+            gap = max(gap, other_along - (c + a * cos + b * sin) / 2.0)
+            gap = max(gap, other_aside - (d + a * sin + b * cos) / 2.0)
+            if not gap >= least:  # nor does one that is not a number go unseen
+                least = gap
+    return least
+
+
+def _sizes(hull: Hull) -> Sizes:
+    return hull.length, hull.beam, hull.safety_length, hull.safety_beam
+
+
+@cache
+def _loop() -> Callable[[Sizes, FloatArray, Sizes, FloatArray, FloatArray], None]:
+    """Compile `find_gaps`, or load what an earlier start has compiled; without numba, as it is written."""
+    if find_spec("numba") is None:
+        return find_gaps
+    numbers = {"FAR": FAR, "LOOKS": LOOKS}
+    return compiled_module([], [gap_in_step, find_gaps], numbers).find_gaps  # type: ignore[no-any-return]
 
 
 def bank_gaps(own: Hull, plans: FloatArray, room: FloatArray) -> FloatArray:
@@ -86,21 +129,3 @@ def bank_gaps(own: Hull, plans: FloatArray, room: FloatArray) -> FloatArray:
     reach = (own.length * np.abs(np.sin(course)) + own.beam * (np.abs(np.cos(course)) - 1.0)) / 2.0
     low, high = np.minimum(y, before) - reach, np.maximum(y, before) + reach
     return np.asarray(np.minimum(low - room[:, 0], room[:, 1] - high))
-
-
-def _looks(poses: FloatArray) -> FloatArray:
-    """Poses within each step, (M, N * LOOKS, 3): on the line, at the course of the step's end."""
-    share = (np.arange(1, LOOKS + 1) / LOOKS)[None, None, :, None]
-    begin, end = poses[:, :-1, None, :], poses[:, 1:, None, :]
-    looks = begin + share * (end - begin)
-    looks[..., 2] = end[..., 2]
-    return np.asarray(looks.reshape(len(poses), -1, 3))
-
-
-def _seen(apart: FloatArray, course: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances along and across a course, without their signs [m]."""
-    cos, sin = np.cos(course), np.sin(course)
-    return (
-        np.abs(cos * apart[..., 0] + sin * apart[..., 1]),
-        np.abs(cos * apart[..., 1] - sin * apart[..., 0]),
-    )

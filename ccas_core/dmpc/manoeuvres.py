@@ -8,15 +8,13 @@ still get clear by itself, and one of them is sailed if the solver's answer does
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Final
 
-import casadi as ca
 import numpy as np
 
 from ..frames import FloatArray
 from .local_problem import LocalProblem
-from .model import CONTROLS, constants, stage_model
+from .trajectories import sailed
 
 OFFSETS: Final = (12.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)  # to either side [m]
 FACTORS: Final = (0.75, 0.5, 0.25, 0.0)  # of speed
@@ -68,23 +66,3 @@ def at_hand(problem: LocalProblem, base: float, until: int, after: int = 0) -> M
             sizes.append(DEAR * (1.0 - factor) * periods)
     controls = np.array(rows)
     return Manoeuvres(controls, sailed(problem, controls), np.array(sides), np.array(sizes))
-
-
-def sailed(problem: LocalProblem, controls: FloatArray) -> FloatArray:
-    """Sail many plans (M, N, 2) by the model: paths (M, N + 1, 3)."""
-    count, horizon = len(controls), controls.shape[1]
-    initial = problem.initial
-    state = np.array([initial.x, initial.y, initial.course, problem.last_offset])
-    run = _run(horizon, count)
-    columns = controls.transpose(2, 0, 1).reshape(CONTROLS, count * horizon)
-    fixed = np.asarray(constants(problem), dtype=np.float64)
-    found = run(np.tile(state[:, None], count), columns, np.tile(fixed[:, None], count * horizon))
-    paths = np.asarray(found, dtype=np.float64).reshape(4, count, horizon).transpose(1, 2, 0)[:, :, :3]
-    first = np.broadcast_to(state[:3], (count, 1, 3))
-    return np.concatenate([first, paths], axis=1)
-
-
-@cache
-def _run(horizon: int, count: int) -> ca.Function:
-    """Sail `horizon` stages of `count` plans."""
-    return stage_model(1).dynamics.mapaccum("run", horizon).map(count)

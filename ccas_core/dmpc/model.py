@@ -13,7 +13,7 @@ from functools import cache, lru_cache
 import casadi as ca
 import numpy as np
 
-from ..frames import FloatArray, PathTrajectory
+from ..frames import FloatArray
 from . import cost, kinematics
 from .local_problem import LocalPlan, LocalProblem
 from .parameters import Settings
@@ -121,26 +121,6 @@ def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:
     return np.hstack(
         [problem.multiplier[1:], problem.broadcast.poses[1:], rows.transpose(1, 0, 2).reshape(horizon, -1)]
     )
-
-
-def rollout(problem: LocalProblem, controls: FloatArray) -> LocalPlan:
-    """Sail controls (N, 2) from the initial pose, held within their bounds."""
-    limits = problem.offset_limits
-    speeds = problem.speed_limits
-    offset = np.minimum(np.maximum(controls[:, 0], limits[:, 0]), limits[:, 1])
-    factor = np.minimum(np.maximum(controls[:, 1], speeds[:, 0]), speeds[:, 1])
-    start = problem.initial
-    motion = {
-        "speed": problem.speed,
-        "time_step": problem.settings.kinematics.time_step,
-        "time_constant": problem.settings.kinematics.time_constant,
-        "course_limit": problem.settings.kinematics.course_limit,
-        "steering_gain": problem.settings.kinematics.steering_gain,
-    }
-    poses = [(start.x, start.y, start.course)]
-    for aside, slowed in zip(offset.tolist(), factor.tolist(), strict=True):
-        poses.append(kinematics.step(poses[-1], aside, slowed, **motion))
-    return LocalPlan(controls=np.column_stack([offset, factor]), trajectory=PathTrajectory(np.array(poses)))
 
 
 def objective(problem: LocalProblem, plan: LocalPlan) -> float:

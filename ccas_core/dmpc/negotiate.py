@@ -16,11 +16,11 @@ from ..priority import NO_BEARING, Bearing
 from ..ships import Hull, ShipId
 from . import nadmm
 from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
-from .model import rollout
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
 from .risk import COLUMNS, threats
 from .stance import Memory, Seen, Stance, safest, take_stance
+from .trajectories import rollout
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`
 

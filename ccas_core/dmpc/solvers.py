@@ -24,8 +24,9 @@ import numpy as np
 from ..errors import Diagnostic, InputError, did_you_mean
 from ..frames import FloatArray
 from .local_problem import LocalPlan, LocalProblem, Solution
-from .model import CONTROLS, STATES, constants, objective, rollout, stage_model, stage_parameters
+from .model import CONTROLS, STATES, constants, objective, stage_model, stage_parameters
 from .outcome import Outcome
+from .trajectories import rollout
 
 TOLERANCE: Final = 1e-8
 _WALL_TIME: Final = 10.0  # of one solve [s]; half a control period

@@ -27,8 +27,9 @@ from ..ships import Hull, ShipId
 from ..waterway import BANK_MARGIN
 from .clearance import bank_gaps, gaps
 from .local_problem import LocalPlan, LocalProblem
-from .manoeuvres import Manoeuvres, at_hand, sailed
+from .manoeuvres import Manoeuvres, at_hand
 from .parameters import Roles, Settings, blended
+from .trajectories import sailed
 
 _SIDE: Final = {  # to which side a ship goes to pass as prescribed: +1 starboard, -1 port
     PassingSide.PORT_TO_PORT: 1,
@@ -127,12 +128,12 @@ def take_stance(
     known = {each.id for each in seen if each.bearing.role is not Role.NONE}
     resolves = {id_: resolve for id_, resolve in memory.resolves.items() if id_ in known}
     base = _base(problem, seen, resolves)
-    hold = _holding(hull, problem, room, base)
-    ahead = _each_gap(hull, sailed(problem, hold[None]), seen)[0]  # (n, N)
+    hold, held = _holding(hull, problem, room, base)
+    ahead = _each_gap(hull, held, seen)[0]  # (n, N)
     least = ahead.min(axis=1, initial=math.inf)
     for n, each in enumerate(seen):
         if each.bearing.role is Role.BOTH and each.unmoved and _resolve(each, resolves) == Resolve():
-            alone = gaps(hull, sailed(problem, hold[None]), each.hull, each.unmoved.poses)
+            alone = gaps(hull, held, each.hull, each.unmoved.poses)
             least[n] = min(least[n], float(alone.min()))  # both act, whatever the other has told
     for n, each in enumerate(seen):
         if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < roles.clear_by:
@@ -236,13 +237,19 @@ def _steady(problem: LocalProblem, base: float) -> FloatArray:
     return np.column_stack([offset, np.ones(len(offset))])
 
 
-def _holding(hull: Hull, problem: LocalProblem, room: FloatArray, base: float) -> FloatArray:
-    """Controls of a ship that holds; near a bank it returns by steps, for its stern swings out."""
-    swung = [base + share * (problem.last_offset - base) for share in _RETURNS]
-    plans = np.stack([_steady(problem, offset) for offset in swung])
-    free = bank_gaps(hull, sailed(problem, plans), room).min(axis=1) >= -BANK_MARGIN / 2.0
-    chosen: FloatArray = plans[int(np.argmax(free)) if np.any(free) else -1]
-    return chosen
+def _holding(
+    hull: Hull, problem: LocalProblem, room: FloatArray, base: float
+) -> tuple[FloatArray, FloatArray]:
+    """Controls of a ship that holds, and their path (1, N + 1, 3).
+
+    Near a bank it returns to its line by steps, for its stern swings out.
+    """
+    for share in _RETURNS:
+        plan = _steady(problem, base + share * (problem.last_offset - base))
+        path = sailed(problem, plan[None])
+        if bank_gaps(hull, path, room).min() >= -BANK_MARGIN / 2.0:
+            break
+    return plan, path
 
 
 def _hold(problem: LocalProblem, hold: FloatArray, count: int, memory: Memory) -> Stance:

@@ -12,10 +12,10 @@ from ccas_core.agent.events import AgentSettings, Sensed, Timers
 from ccas_core.agent.period import PeriodLog, run_period
 from ccas_core.agent.ship_agent import ShipAgent
 from ccas_core.dmpc.local_problem import LocalProblem, Solution
-from ccas_core.dmpc.model import rollout
 from ccas_core.dmpc.outcome import Outcome
 from ccas_core.dmpc.parameters import PROFILES, Wait
 from ccas_core.dmpc.solvers import AbstractLocalSolver
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.frames import FloatArray, PathPose
 from ccas_core.roles import Geometry
 from ccas_core.ships import Hull, Ship, ShipId

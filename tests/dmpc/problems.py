@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ccas_core.dmpc.local_problem import LocalProblem, free_speeds
-from ccas_core.dmpc.model import rollout
 from ccas_core.dmpc.parameters import CROSSING, HEAD_ON, Settings, Start
 from ccas_core.dmpc.risk import threat
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.frames import FloatArray, PathPose, PathTrajectory
 from ccas_core.ships import Hull
 

@@ -14,9 +14,10 @@ import pytest
 from ccas_core.dmpc import cost, riccati_kernel
 from ccas_core.dmpc.casadi_to_numba import python_source
 from ccas_core.dmpc.local_problem import LocalPlan, LocalProblem
-from ccas_core.dmpc.model import CONTROLS, STATES, constants, rollout, stage_model, stage_parameters
+from ccas_core.dmpc.model import CONTROLS, STATES, constants, stage_model, stage_parameters
 from ccas_core.dmpc.riccati import Riccati, stage_functions
 from ccas_core.dmpc.solvers import Fatrop, Ipopt, slots
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.frames import FloatArray
 
 from .problems import random_problem

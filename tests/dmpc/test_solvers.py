@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from ccas_core.dmpc.local_problem import LocalProblem, Solution
-from ccas_core.dmpc.model import objective, rollout
+from ccas_core.dmpc.model import objective
 from ccas_core.dmpc.outcome import Outcome
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.solvers import (
@@ -28,6 +28,7 @@ from ccas_core.dmpc.solvers import (
     make_solver,
     slots,
 )
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.errors import InputError
 from ccas_core.frames import FloatArray
 
