@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,10 +23,18 @@ FEW: Final = 8  # segments of a line that are quicker looked at than sorted out
 
 
 def frozen_array(values: ArrayLike) -> FloatArray:
-    """Copy into an array of floats that nobody can write to."""
+    """Copy into an array of floats that nobody can write to; one that is so already is kept."""
+    if _is_frozen(values):
+        return values
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def _is_frozen(values: object) -> TypeGuard[FloatArray]:
+    if not isinstance(values, np.ndarray) or values.dtype != np.float64:
+        return False
+    return values.base is None and not values.flags.writeable
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,8 +165,12 @@ class PathFrame:
 
     def to_ned(self, pose: PathPose) -> NedPose:
         """Read a pose of this frame in {n}; the course comes back in (-pi, pi]."""
-        x, y, course = self._out_of(np.array([[pose.x, pose.y, pose.course]]))[0]
-        return NedPose(float(x), float(y), wrap(float(course)))
+        if len(self._courses) > 1:
+            x, y, course = self._out_of(np.array([[pose.x, pose.y, pose.course]]))[0].tolist()
+            return NedPose(x, y, wrap(course))
+        (x0, y0), (cos, sin) = self.vertices[0].tolist(), self._tangents[0].tolist()
+        x, y = x0 + pose.x * cos - pose.y * sin, y0 + pose.x * sin + pose.y * cos
+        return NedPose(x, y, wrap(pose.course + float(self._courses[0])))
 
     def trajectory_to_path(self, trajectory: NedTrajectory) -> PathTrajectory:
         """Read a trajectory of {n} in this frame."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -127,7 +128,7 @@ def _edge(verdict: Verdict) -> Edge | None:
     return None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PriorityGraph:
     """Who decides before whom, and what each pair owes: a frozen value around a `networkx.DiGraph`.
 
@@ -154,9 +155,6 @@ class PriorityGraph:
     settlements: tuple[Settlement, ...] = ()
     ranks: Mapping[ShipId, tuple[float, ...]] | None = None
     criterion: str = LIGHTEST_FIRST
-    digraph: Digraph = field(init=False, repr=False)
-    order: tuple[tuple[ShipId, ...], ...] = field(init=False)
-    openings: tuple[Opening, ...] = field(init=False)
     _by_pair: Mapping[tuple[ShipId, ShipId], Settlement] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -166,20 +164,36 @@ class PriorityGraph:
         strangers = {ship for pair in pairs for ship in pair} - set(self.masses)
         if strangers:
             raise ValueError(f"unknown ships in the priority graph: {', '.join(sorted(strangers))}")
+        set_ = object.__setattr__
+        set_(self, "masses", MappingProxyType(dict(self.masses)))
+        set_(self, "_by_pair", MappingProxyType(dict(zip(pairs, self.settlements, strict=True))))
+
+    @cached_property  # a ship that asks for its bearings only needs no order
+    def digraph(self) -> Digraph:
+        """Who decides before whom, cycles not yet opened; frozen."""
         graph: Digraph = nx.DiGraph()
         graph.add_nodes_from(sorted(self.masses))
         for settlement in self.settlements:
             if settlement.edge is not None:
                 edge = settlement.edge
                 graph.add_edge(edge.first, edge.then, kind=edge.kind)
+        frozen: Digraph = nx.freeze(graph)
+        return frozen
+
+    @cached_property
+    def _opened(self) -> tuple[tuple[tuple[ShipId, ...], ...], tuple[Opening, ...]]:
         ranks = self.ranks or {ship: (mass,) for ship, mass in self.masses.items()}
-        order, openings = open_cycles(graph, ranks, self.criterion)
-        set_ = object.__setattr__
-        set_(self, "masses", MappingProxyType(dict(self.masses)))
-        set_(self, "_by_pair", MappingProxyType(dict(zip(pairs, self.settlements, strict=True))))
-        set_(self, "digraph", nx.freeze(graph))
-        set_(self, "order", order)
-        set_(self, "openings", openings)
+        return open_cycles(self.digraph, ranks, self.criterion)
+
+    @property
+    def order(self) -> tuple[tuple[ShipId, ...], ...]:
+        """Generations of ships, cycles opened."""
+        return self._opened[0]
+
+    @property
+    def openings(self) -> tuple[Opening, ...]:
+        """Edges that had to be opened, and why."""
+        return self._opened[1]
 
     def generations(self) -> tuple[tuple[ShipId, ...], ...]:
         """Ships in the order of decision; those of one generation decide at the same time."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Any
 
 from .frames import NedPose
 from .ships import Ship, ShipId
@@ -21,6 +22,9 @@ class ShipReport:
     waterway: str  # id of the waterway it follows now
     towards: Towards  # the end of the centreline it makes for
     ruleset: str  # id of the ruleset that holds where it is
+    facts: dict[object, tuple[Any, ...]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )  # what `tapd.facts` has read from it so far: all who heard it ask for the same
 
     @property
     def id(self) -> ShipId:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -89,13 +90,14 @@ class Solution:
     message: str = ""  # the solver's own words
 
 
+@cache
 def free_speeds(horizon: int) -> FloatArray:
     """Limits 0 <= u^s <= 1 of the speed factor, (N, 2).
 
     >>> free_speeds(2).tolist()
     [[0.0, 1.0], [0.0, 1.0]]
     """
-    return np.tile([0.0, 1.0], (horizon, 1))
+    return frozen_array(np.tile([0.0, 1.0], (horizon, 1)))
 
 
 def shifted(controls: FloatArray) -> FloatArray:

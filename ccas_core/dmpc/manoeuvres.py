@@ -8,11 +8,12 @@ still get clear by itself, and one of them is sailed if the solver's answer does
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 import numpy as np
 
-from ..frames import FloatArray
+from ..frames import FloatArray, frozen_array
 from .local_problem import LocalProblem
 from .trajectories import sailed
 
@@ -20,6 +21,11 @@ OFFSETS: Final = (12.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 51.0, 60.0)  # to ei
 FACTORS: Final = (0.75, 0.5, 0.25, 0.0)  # of speed
 PERIODS: Final = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 28, 36)  # for which a ship is slower
 DEAR: Final = 30.0  # offset that is as dear as a period lost [m]
+
+_ASIDE: Final = frozen_array([side * size for side in (1.0, -1.0) for size in OFFSETS])
+_SLOWER: Final = frozen_array(list(product(FACTORS, PERIODS)))
+_SIDE: Final = frozen_array([*np.sign(_ASIDE), *np.zeros(len(_SLOWER))])
+_SIZE: Final = frozen_array([*np.abs(_ASIDE), *(DEAR * (1.0 - _SLOWER[:, 0]) * _SLOWER[:, 1])])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,22 +53,13 @@ def at_hand(problem: LocalProblem, base: float, until: int, after: int = 0) -> M
         Periods for which it first goes on as it is.
     """
     horizon = problem.settings.horizon
-    low, high = problem.offset_limits[:, 0], problem.offset_limits[:, 1]
     begin = min(after, horizon)
-    rows, sides, sizes = [], [], []
-    for side in (1.0, -1.0):
-        for size in OFFSETS:
-            offset = np.full(horizon, base)
-            offset[begin : max(until, begin + 1)] = side * size
-            rows.append(np.column_stack([np.clip(offset, low, high), np.ones(horizon)]))
-            sides.append(side)
-            sizes.append(size)
-    for factor in FACTORS:
-        for periods in PERIODS:
-            speed = np.ones(horizon)
-            speed[begin : begin + periods] = factor
-            rows.append(np.column_stack([np.clip(np.full(horizon, base), low, high), speed]))
-            sides.append(0.0)
-            sizes.append(DEAR * (1.0 - factor) * periods)
-    controls = np.array(rows)
-    return Manoeuvres(controls, sailed(problem, controls), np.array(sides), np.array(sizes))
+    aside = len(_ASIDE)
+    controls = np.ones((len(_SIDE), horizon, 2))
+    controls[:, :, 0] = base
+    controls[:aside, begin : max(until, begin + 1), 0] = _ASIDE[:, None]
+    controls[:, :, 0] = np.clip(controls[:, :, 0], problem.offset_limits[:, 0], problem.offset_limits[:, 1])
+    stage = np.arange(horizon) - begin
+    slowed = (stage >= 0) & (stage < _SLOWER[:, 1:])
+    controls[aside:, :, 1] = np.where(slowed, _SLOWER[:, :1], 1.0)
+    return Manoeuvres(controls, sailed(problem, controls), _SIDE, _SIZE)

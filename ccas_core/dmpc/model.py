@@ -8,7 +8,8 @@ Eq. (8) and (9) couple no neighbouring controls, and the problem has the structu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
+from operator import attrgetter
 
 import casadi as ca
 import numpy as np
@@ -16,7 +17,6 @@ import numpy as np
 from ..frames import FloatArray
 from . import cost, kinematics
 from .local_problem import LocalPlan, LocalProblem
-from .parameters import Settings
 from .risk import COLUMNS, collision_risk
 
 STATES = 4  # x, y [m], course [rad], last offset [m]
@@ -99,18 +99,14 @@ def stage_model(threats: int) -> StageModel:
 
 def constants(problem: LocalProblem) -> FloatArray:
     """Values of the constants of a problem, in the order of the model."""
-    values = np.array(_constants(problem.settings))
-    values[0] = problem.speed
-    return values
+    settings = problem.settings
+    return np.array(
+        [problem.speed, *_motion(settings.kinematics), *_habits(settings.weights), settings.beta],
+        dtype=np.float64,
+    )
 
 
-@lru_cache(maxsize=256)
-def _constants(settings: Settings) -> tuple[float, ...]:
-    """Constants of all problems with these settings; the speed is still to be set."""
-    values = {"speed": 0.0, "beta": settings.beta}
-    for group in (settings.kinematics, settings.weights):
-        values |= {key: getattr(group, key) for key in CONSTANTS if hasattr(group, key)}
-    return tuple(values[key] for key in CONSTANTS)
+_motion, _habits = attrgetter(*CONSTANTS[1:5]), attrgetter(*CONSTANTS[5:-1])
 
 
 def stage_parameters(problem: LocalProblem, threats: int) -> FloatArray:

@@ -8,10 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
-from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory
+from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory, frozen_array
 from ..priority import NO_BEARING, Bearing
 from ..ships import Hull, ShipId
 from . import nadmm
@@ -104,7 +105,7 @@ def begin(situation: Situation) -> Negotiation:
     controls = situation.last_controls
     if controls is None or situation.settings.anchor is Anchor.NOMINAL:
         controls = guess(Start.NOMINAL, situation.offset_limits)
-    plan = rollout(_problem(situation, _threats(situation, ())), controls)
+    plan = rollout(_alone(situation), controls)
     return Negotiation(
         situation=situation, iteration=0, iterate=nadmm.start(plan.trajectory.poses), plan=plan
     )
@@ -116,7 +117,7 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
     roles = situation.settings.roles
     if roles is None or negotiation.iteration > 0:
         return negotiation
-    problem = _problem(situation, _threats(situation, ()))
+    problem = _alone(situation)
     stance = take_stance(
         situation.hull,
         problem,
@@ -152,7 +153,7 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     roles = situation.settings.roles
     if roles is None or stance is None or not stance.memory.acting:
         return negotiation
-    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=limits)
+    problem = replace(_alone(situation), offset_limits=limits)
     seen = _seen(situation, neighbours)
     plan = safest(situation.hull, problem, situation.room, negotiation.plan, seen, stance, roles.clear_by)
     if plan is None:
@@ -164,7 +165,7 @@ def sailing_on(negotiation: Negotiation) -> Negotiation:
     """Go on along the guiding line whatever the others do: a ship that breaks its duty."""
     situation = negotiation.situation
     free = np.tile([-math.inf, math.inf], (situation.settings.horizon, 1))
-    problem = replace(_problem(situation, _threats(situation, ())), offset_limits=free)
+    problem = replace(_alone(situation), offset_limits=free)
     plan = rollout(problem, guess(Start.NOMINAL, free))
     return replace(negotiation, plan=plan, iterate=nadmm.start(plan.trajectory.poses))
 
@@ -189,8 +190,17 @@ def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> 
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
     stance = negotiation.stance
     dangers = _threats(situation, neighbours, stance.gains if stance else None)
-    problem = _problem(situation, dangers, half, negotiation.iterate.broadcast)
-    return replace(problem, speed_limits=stance.speed_limits) if stance else problem
+    return LocalProblem(
+        initial=situation.initial,
+        last_offset=situation.last_offset,
+        speed=situation.speed,
+        settings=settings,
+        offset_limits=situation.offset_limits,
+        speed_limits=stance.speed_limits if stance else free_speeds(settings.horizon),
+        threats=dangers,
+        multiplier=half,
+        broadcast=PathTrajectory(negotiation.iterate.broadcast),
+    )
 
 
 def guesses(negotiation: Negotiation) -> tuple[FloatArray, ...]:
@@ -233,7 +243,7 @@ def fallback(situation: Situation, neighbours: Sequence[Neighbour]) -> tuple[Loc
     """
     settings = situation.settings
     rows = _threats(situation, neighbours)
-    problem = _problem(situation, rows)
+    problem = _alone(situation)
     if situation.last_controls is not None:
         plan = rollout(problem, situation.last_controls)
         if _clear(plan, rows):
@@ -256,7 +266,7 @@ def _threats(
         if gain > 0.0
     ]
     if not weighed:
-        return np.empty((0, settings.horizon, COLUMNS))
+        return _no_threats(settings.horizon)
     new = [each for each, _ in weighed if each.trajectory not in situation.read]
     if new:
         poses = _in_path(situation, [each.trajectory for each in new])
@@ -298,13 +308,9 @@ def _clear(plan: LocalPlan, dangers: FloatArray) -> bool:
     return True
 
 
-def _problem(
-    situation: Situation,
-    dangers: FloatArray,
-    multiplier: FloatArray | None = None,
-    broadcast: FloatArray | None = None,
-) -> LocalProblem:
-    zero = np.zeros((situation.settings.horizon + 1, 3))
+def _alone(situation: Situation) -> LocalProblem:
+    """State the problem without neighbours and without (13a): what it takes to sail plans."""
+    nothing = _nothing(situation.settings.horizon)
     return LocalProblem(
         initial=situation.initial,
         last_offset=situation.last_offset,
@@ -312,10 +318,20 @@ def _problem(
         settings=situation.settings,
         offset_limits=situation.offset_limits,
         speed_limits=free_speeds(situation.settings.horizon),
-        threats=dangers,
-        multiplier=zero if multiplier is None else multiplier,
-        broadcast=PathTrajectory(zero if broadcast is None else broadcast),
+        threats=_no_threats(situation.settings.horizon),
+        multiplier=nothing.poses,
+        broadcast=nothing,
     )
+
+
+@cache
+def _nothing(horizon: int) -> PathTrajectory:
+    return PathTrajectory(np.zeros((horizon + 1, 3)))
+
+
+@cache
+def _no_threats(horizon: int) -> FloatArray:
+    return frozen_array(np.empty((0, horizon, COLUMNS)))
 
 
 def guess(start: Start, offset_limits: FloatArray, last_controls: FloatArray | None = None) -> FloatArray:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import lru_cache
+from typing import Final
 
 import numpy as np
 
 from ..frames import NedPose, NedTrajectory
+
+REMEMBERED: Final = 16384  # trajectories: all who heard a ship ask for the same, in each iteration
 
 
 class AbstractPredictor(ABC):
@@ -27,14 +30,20 @@ class ConstantVelocity(AbstractPredictor):
 
     def predict(self, pose: NedPose, speed: float, horizon: int, time_step: float) -> NedTrajectory:
         """Predict a straight line."""
-        sailed = speed * time_step * np.arange(horizon + 1)
-        course = np.full(horizon + 1, pose.course)
-        north = pose.x + sailed * np.cos(pose.course)
-        east = pose.y + sailed * np.sin(pose.course)
-        return NedTrajectory(np.column_stack([north, east, course]))
+        return _straight_on(pose, speed, horizon, time_step)
 
 
-@lru_cache(maxsize=4096)  # all who heard it ask for the same
+@lru_cache(maxsize=REMEMBERED)
+def _straight_on(pose: NedPose, speed: float, horizon: int, time_step: float) -> NedTrajectory:
+    poses = np.empty((horizon + 1, 3))
+    sailed = speed * time_step * np.arange(horizon + 1)
+    poses[:, 0] = pose.x + sailed * np.cos(pose.course)
+    poses[:, 1] = pose.y + sailed * np.sin(pose.course)
+    poses[:, 2] = pose.course
+    return NedTrajectory(poses)
+
+
+@lru_cache(maxsize=REMEMBERED)
 def carried_on(told: NedTrajectory) -> NedTrajectory:
     """Carry an intention on by one period; its last step is repeated."""
     poses = told.poses

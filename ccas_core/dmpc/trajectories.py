@@ -1,4 +1,4 @@
-"""Where plans lead: controls sailed by the model, Eq. (5), many at once.
+"""Where plans lead: controls sailed by the model, many at once.
 
 The dynamics are those of `model`.  Where numba is installed the loop over stages is compiled, else CasADi
 runs it; the paths are the same.

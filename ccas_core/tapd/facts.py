@@ -229,6 +229,16 @@ def ship_values(
     return tuple(values)
 
 
+def known_values(
+    vocabulary: Vocabulary, waters: Waters, report: ShipReport, *, kept_starboard: bool = False
+) -> tuple[Any, ...]:
+    """As `ship_values`, computed once for a report."""
+    key = vocabulary, waters, kept_starboard
+    if key not in report.facts:
+        report.facts[key] = ship_values(vocabulary, waters, report, kept_starboard=kept_starboard)
+    return report.facts[key]
+
+
 def waterway_values(vocabulary: Vocabulary, waterway: Waterway) -> tuple[Any, ...]:
     """Facts of a waterway in the order of the vocabulary."""
     found: dict[str, Any] = {

@@ -18,7 +18,7 @@ from ..ships import Ship, ShipId
 from ..verdict import Kind, Verdict
 from ..world import World
 from .encounters import NO_ENCOUNTER, Encounter
-from .facts import PairFacts, assess, ship_values
+from .facts import PairFacts, assess, known_values
 from .vocabulary import VOCABULARY, Scope, Vocabulary
 
 Pair = tuple[ShipId, ShipId]  # sorted
@@ -56,7 +56,7 @@ class Situation:
         key = id(vocabulary), ship
         if key not in self._values:
             report, kept = self.world.reports[ship], ship in self.kept_starboard
-            self._values[key] = ship_values(vocabulary, self.world.waters, report, kept_starboard=kept)
+            self._values[key] = known_values(vocabulary, self.world.waters, report, kept_starboard=kept)
         return self._values[key]
 
     def on_starboard_side(self, vocabulary: Vocabulary = VOCABULARY) -> frozenset[ShipId]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import shapely
 
-from ccas_core.dmpc.clearance import bank_gaps, gaps
+from ccas_core.dmpc import clearance
+from ccas_core.dmpc.clearance import bank_gaps, find_gaps, gap_in_step, gaps
 from ccas_core.frames import FloatArray
 from ccas_core.ships import Hull
 from ccas_core.sim.hulls import rectangles
@@ -59,6 +61,57 @@ def test_gaps_of_many_plans_are_those_of_each() -> None:
 
     for n in range(7):
         assert np.array_equal(together[n], gaps(ONE, plans[n : n + 1], OTHER, there)[0])
+
+
+def walks(generator: np.random.Generator, count: int) -> FloatArray:
+    """Wandering plans of 20 steps, (count, 21, 3)."""
+    course = np.cumsum(generator.normal(0.0, 0.2, (count, 21)), axis=1) + generator.uniform(-np.pi, np.pi)
+    steps = 60.0 * np.stack([np.cos(course), np.sin(course)], axis=2)
+    steps[:, 0] = 0.0
+    places = np.cumsum(steps, axis=1) + generator.uniform(-500.0, 500.0, 2)
+    return np.concatenate([places, course[:, :, None]], axis=2)
+
+
+def test_bounds_never_hide_the_step_in_which_two_ships_are_nearest() -> None:
+    generator = np.random.default_rng(5)
+    one, other = clearance._sizes(ONE), clearance._sizes(OTHER)
+
+    for _ in range(100):
+        plan, there = walks(generator, 1), walks(generator, 1)[0]
+        found = gaps(ONE, plan, OTHER, there)[0]
+        exact = np.array([gap_in_step(one, plan[0], other, there, k) for k in range(20)])
+        if found.min() < clearance.FAR:
+            assert np.isclose(found.min(), exact.min(), rtol=0.0, atol=1e-9)
+            assert found.argmin() == exact.argmin()
+        assert np.all(found[exact < clearance.FAR / 2.0] < clearance.FAR)
+
+
+def test_compiled_gaps_are_those_of_the_loop_as_it_is_written() -> None:
+    generator = np.random.default_rng(6)
+    plans, there = walks(generator, 9), walks(generator, 1)[0]
+    found = np.empty((9, 20))
+
+    find_gaps(clearance._sizes(ONE), plans, clearance._sizes(OTHER), there, found)
+
+    np.testing.assert_allclose(found, gaps(ONE, plans, OTHER, there), rtol=1e-12, atol=1e-9)
+
+
+def test_where_numba_is_missing_the_loop_runs_as_it_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clearance, "find_spec", lambda _: None)
+    clearance._loop.cache_clear()
+    try:
+        assert clearance._loop() is find_gaps
+    finally:
+        clearance._loop.cache_clear()
+
+
+def test_gap_to_what_is_not_a_number_is_not_a_number() -> None:
+    here = np.zeros((1, 2, 3))
+
+    for column in range(3):
+        there = np.array([[0.0, 30.0, 0.0], [0.0, 30.0, 0.0]])
+        there[1, column] = np.nan
+        assert np.isnan(gaps(ONE, here, OTHER, there)[0, 0])
 
 
 def test_gap_is_the_same_seen_from_the_other_ship() -> None:

@@ -22,7 +22,6 @@ from ccas_core.dmpc.model import (
     STATES,
     constants,
     objective,
-    rollout,
     stage_model,
     stage_parameters,
 )
@@ -30,6 +29,7 @@ from ccas_core.dmpc.outcome import Outcome
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.riccati import Riccati, stage_functions
 from ccas_core.dmpc.solvers import AbstractLocalSolver, make_solver
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.errors import InputError
 from ccas_core.frames import FloatArray, PathTrajectory
 
