@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .plugins import Plugins as Plugins
     from .plugins import load
     from .priority import PriorityGraph as PriorityGraph
+    from .regions import Region as Region
     from .roles import Geometry as Geometry
     from .roles import PassingSide as PassingSide
     from .ships import UNKNOWN as UNKNOWN
@@ -70,7 +71,6 @@ if TYPE_CHECKING:
     from .verdict import Verdict as Verdict
     from .waterway import Leg as Leg
     from .waterway import Obstacle as Obstacle
-    from .waterway import Region as Region
     from .waterway import Towards as Towards
     from .waterway import Waters as Waters
     from .waterway import Waterway as Waterway
@@ -110,7 +110,7 @@ _HOMES: Final = {  # module, and the name there if it is another
     "PriorityGraph": "priority",
     "PythonRule": "tapd.python_rules",
     "RankingCriterion": "tapd.ranking",
-    "Region": "waterway",
+    "Region": "regions",
     "RoleDecision": "tapd.python_rules",
     "RulesetError": "errors",
     "RulesetLibrary": "tapd.library",

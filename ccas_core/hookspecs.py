@@ -15,11 +15,11 @@ import pluggy
 
 if TYPE_CHECKING:
     from .events import DeadlockDetected, OrderDecided, RulesetSwitched
+    from .regions import Region
     from .tapd.python_rules import PythonRule
     from .tapd.ranking import RankingCriterion
     from .tapd.ruleset import AbstractRuleset
     from .tapd.vocabulary import Fact
-    from .waterway import Region
 
 PROJECT: Final = "ccas"
 API: Final = 1

@@ -23,12 +23,12 @@ from .errors import Diagnostic, RulesetError, did_you_mean
 from .hookspecs import PluginInfo
 from .observers import Observers
 from .plugin_failures import Failure, Guard, Troubles
+from .regions import Region
 from .tapd.library import RulesetLibrary, id_in
 from .tapd.python_rules import PythonRule
 from .tapd.ranking import RankingCriterion
 from .tapd.ruleset import AbstractRuleset
 from .tapd.vocabulary import VOCABULARY, Fact, Vocabulary
-from .waterway import Region
 
 GROUP: Final = "ccas"
 _COLLECTED: Final[Mapping[str, tuple[type, ...]]] = {  # what may be returned, by hook

@@ -60,7 +60,8 @@ class Verdict:
     is to adapt.  `facilitates` is a privileged ship that has a duty of its own, `must_follow` the one that
     has to take the side chosen by the other.  `diagnosis` names what is wrong where a regulation contradicts
     itself or is silent.
-    `reason` says in words why the rule applied, or why none did.
+    `reason` says in words why the rule applied, or why none did.  `lacks` names the law of the pair where the
+    ship has not got it aboard, and judges by what it has.
     """
 
     own: ShipId
@@ -84,6 +85,7 @@ class Verdict:
     manoeuvre: str = ""
     diagnosis: str = ""
     reason: str = ""
+    lacks: str = ""
     facts: Mapping[str, FactValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -126,9 +128,7 @@ def agree(one: Verdict, other: Verdict) -> str:
     opposite: give-way against stand-on, every other kind against itself.
     """
     if (one.ruleset, one.version) != (other.ruleset, other.version):
-        return (
-            f"{one.own} judges by {one.ruleset} {one.version}, {other.own} by {other.ruleset} {other.version}"
-        )
+        return f"{one.own} judges by {_judged_by(one)}, {other.own} by {_judged_by(other)}"
     if OPPOSITE.get(one.kind, one.kind) is not other.kind:
         return f"{one.own} sees {one.kind}, {other.own} sees {other.kind}"
     if one.initiator != other.initiator:
@@ -138,3 +138,8 @@ def agree(one: Verdict, other: Verdict) -> str:
     if one.passing_side is not other.passing_side:
         return f"{one.own} would pass {one.passing_side}, {other.own} {other.passing_side}"
     return ""
+
+
+def _judged_by(view: Verdict) -> str:
+    wanted = f" for want of {view.lacks}" if view.lacks else ""
+    return f"{view.ruleset} {view.version}{wanted}"

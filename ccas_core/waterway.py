@@ -1,4 +1,4 @@
-"""Waters as a chart shows them: waterways, junctions, regions, obstacles, routes.
+"""Waters as a chart shows them: waterways, junctions, obstacles, routes; `regions` has the laws.
 
 Everything here is in the inertial frame {n}: arrays of points are (n, 2), north and east [m].
 Only this module and `frames` know that a guiding line may bend.
@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .frames import FloatArray, NedPose, PathFrame, PathPose, PathTrajectory, frozen_array
+from .frames import FloatArray, NedPose, PathFrame, PathTrajectory, frozen_array
+from .regions import Hysteresis, Law, LawMap, Region
 from .ships import Facts
 
 if TYPE_CHECKING:
@@ -60,6 +61,13 @@ class Waterway:
         """Frame along the centreline in the sense of travel."""
         return self._frames[0] if towards is Towards.END else self._frames[1]
 
+    def strip(self, first: float, last: float) -> BaseGeometry:
+        """Water from bank to bank, from one distance [m] along the centreline to a greater one."""
+        from shapely import LineString
+
+        line = LineString(self.frame(Towards.END).stretch(first, last))
+        return line.buffer(self.width / 2.0, cap_style="flat", join_style="mitre")
+
     def holds(self, pose: NedPose) -> bool:
         """Whether a position lies between the banks and the ends of the centreline."""
         frame = self.frame(Towards.END)
@@ -78,37 +86,26 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Region:
-    """Part of the waters with a ruleset of its own: a polygon (n, 2)."""
-
-    id: str
-    ruleset: str
-    polygon: FloatArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "polygon", frozen_array(self.polygon))
-
-    def holds(self, pose: NedPose) -> bool:
-        """Whether a position lies in the region, its border included."""
-        from shapely import Point, Polygon
-
-        return bool(Polygon(self.polygon).covers(Point(pose.x, pose.y)))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Waters:
-    """A chart: the same for every ship."""
+    """A chart: the same for every ship.
+
+    `ruleset`, `ID` or `ID@VERSION`, is in force outside of all regions; it is empty where they cover all.
+    """
 
     ruleset: str
     waterways: tuple[Waterway, ...]
     regions: tuple[Region, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    hysteresis: Hysteresis = field(default_factory=Hysteresis)
+    _laws: LawMap = field(init=False, repr=False)
     _by_id: dict[str, Waterway] = field(init=False, repr=False)
     _junctions: dict[tuple[str, str], NedPose | None] = field(init=False, repr=False)  # found so far
     _banks: list[BaseGeometry] = field(init=False, repr=False)  # one, once it is drawn
 
     def __post_init__(self) -> None:
         by_id = {waterway.id: waterway for waterway in reversed(self.waterways)}  # the first of an id counts
+        default = Law.parsed(self.ruleset) if self.ruleset or not self.regions else None
+        object.__setattr__(self, "_laws", LawMap(default, self.regions))
         object.__setattr__(self, "_by_id", by_id)
         object.__setattr__(self, "_junctions", {})
         object.__setattr__(self, "_banks", [])
@@ -117,12 +114,14 @@ class Waters:
         """Waterway by its id; `KeyError` where there is none."""
         return self._by_id[id_]
 
+    @property
+    def laws(self) -> LawMap:
+        """Which law is in force where."""
+        return self._laws
+
     def ruleset_at(self, pose: NedPose) -> str:
-        """Id of the ruleset in force at a position: that of the first region that holds it."""
-        for region in self.regions:
-            if region.holds(pose):
-                return region.ruleset
-        return self.ruleset
+        """Id of the ruleset in force at a position."""
+        return self._laws.at(pose).ruleset
 
     def junction(self, one: str, other: str) -> NedPose | None:
         """Centre of the intersection of two waterways, known to all ships; None if they do not meet."""
@@ -135,24 +134,20 @@ class Waters:
     def banks(self) -> BaseGeometry:
         """Navigable water as one shape: the union of all waterways, prolonged past their ends."""
         if not self._banks:
-            self._banks.append(self._drawn_banks())
+            from shapely import prepare
+
+            banks = self.water(_BEYOND_ENDS)
+            prepare(banks)  # it is asked again and again
+            self._banks.append(banks)
         return self._banks[0]
 
-    def _drawn_banks(self) -> BaseGeometry:
-        from shapely import LineString, prepare, union_all
+    def water(self, beyond: float = 0.0) -> BaseGeometry:
+        """Union of all waterways, each prolonged by so much [m] past its ends."""
+        from shapely import union_all
 
-        reaches = []
-        for waterway in self.waterways:
-            frame = waterway.frame(Towards.END)
-            ends = (frame.to_ned(PathPose(x, 0.0, 0.0)) for x in (-_BEYOND_ENDS, frame.length + _BEYOND_ENDS))
-            first, last = ends
-            line = [(first.x, first.y), *map(tuple, waterway.centreline), (last.x, last.y)]
-            reaches.append(
-                LineString(line).buffer(waterway.width / 2.0, cap_style="flat", join_style="mitre")
-            )
-        banks = union_all(reaches)
-        prepare(banks)  # it is asked again and again
-        return banks
+        return union_all(
+            [each.strip(-beyond, each.frame(Towards.END).length + beyond) for each in self.waterways]
+        )
 
 
 def _meeting_point(one: FloatArray, other: FloatArray) -> Point | None:

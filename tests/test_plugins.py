@@ -21,6 +21,7 @@ from ccas_core.hookspecs import PluginInfo, hookimpl
 from ccas_core.plugin_failures import Failure
 from ccas_core.priority import Edge, EdgeKind, Opening, PriorityGraph, settle
 from ccas_core.quantities import LENGTH
+from ccas_core.regions import Region
 from ccas_core.ships import UNKNOWN, FactValue, Ship, ShipId
 from ccas_core.tapd.assign import assign
 from ccas_core.tapd.case_run import judge_case
@@ -32,7 +33,7 @@ from ccas_core.tapd.ruleset import AbstractRuleset, PairRuleset, Situation
 from ccas_core.tapd.vocabulary import Fact, Scope, Source
 from ccas_core.tapd.vocabulary import Kind as FactKind
 from ccas_core.verdict import Kind, Verdict
-from ccas_core.waterway import Region, Waters
+from ccas_core.waterway import Waters
 from ccas_core.world import ShipReport
 
 from .tapd import A, B, C, head_on, verdict

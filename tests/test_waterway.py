@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from shapely import LineString, Point, covers
 
 from ccas_core.frames import FloatArray, NedPose, PathPose
+from ccas_core.regions import Region
 from ccas_core.waterway import (
     BANK_MARGIN,
     OFFSET_LIMIT,
     GuidingLine,
     Leg,
-    Region,
     Towards,
     Waters,
     Waterway,

@@ -12,7 +12,7 @@ leaves the ship before the deadline.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -26,9 +26,11 @@ from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, r
 from ..dmpc.stance import Memory
 from ..frames import FloatArray, NedPose, NedTrajectory
 from ..priority import NO_BEARING, Opening, PriorityGraph, settle
+from ..regions import InForce, Law
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
-from ..tapd.assign import assign, remembered
+from ..tapd.aboard import Aboard, judging
+from ..tapd.assign import assign_by_law, remembered
 from ..tapd.deadlock import Waiting, opened_orders, released
 from ..tapd.encounters import NO_ENCOUNTER, Encounter
 from ..tapd.ruleset import AbstractRuleset, Pair, Situation
@@ -53,7 +55,7 @@ class ShipAgent:
     waters
         The chart.
     rulesets
-        By id; every ruleset of the chart must be among them.
+        Those aboard, by id.  For want of one that the chart asks for, the ship judges by the first.
     settings
         Of the controller and the timers.
     predictor
@@ -66,7 +68,7 @@ class ShipAgent:
         guiding_line: GuidingLine,
         speed: float,
         waters: Waters,
-        rulesets: Mapping[str, AbstractRuleset],
+        rulesets: Aboard,
         settings: AgentSettings,
         predictor: AbstractPredictor | None = None,
     ) -> None:
@@ -77,6 +79,7 @@ class ShipAgent:
         self._rulesets: Final = rulesets
         self._settings: Final = settings
         self._predictor: Final = predictor or ConstantVelocity()
+        self._law: InForce | None = None
         self._encounters: dict[Pair, Encounter] = {}
         self._kept_starboard: frozenset[ShipId] = frozenset()  # a period ago
         self._last_controls: FloatArray | None = None
@@ -149,13 +152,15 @@ class ShipAgent:
 
     def _begin(self, now: float, sensed: Sensed) -> Message:
         leg = self._line.leg_at(self._line.frame.to_path(sensed.pose).x)
+        waters = self._waters
+        self._law = waters.laws.in_force(sensed.pose, now, self._law, waters.hysteresis)
         own = ShipReport(
             ship=self.ship,
             pose=sensed.pose,
             speed=sensed.speed,
             waterway=leg.waterway,
             towards=leg.towards,
-            ruleset=self._waters.ruleset_at(sensed.pose),
+            ruleset=self._law.law.ruleset,
         )
         if self._period is not None:
             promised = self._period.decided
@@ -182,11 +187,14 @@ class ShipAgent:
         world = World(time=period.began, waters=self._waters, reports=reports)
         return Situation(world=world, encounters=self._encounters, kept_starboard=self._kept_starboard)
 
+    def _own_ruleset(self, period: Period) -> AbstractRuleset:
+        """Ruleset under which the ship sails itself."""
+        return judging(self._rulesets, Law(period.own.ruleset))
+
     def _judge(self, period: Period) -> list[Message]:
-        ruleset = self._rulesets[period.own.ruleset]
         period.situation = situation = self._situation(period)
-        period.judged = assign(ruleset, situation, self.ship.id)
-        self._kept_starboard = situation.on_starboard_side(ruleset.vocabulary)
+        period.judged = assign_by_law(self._rulesets, situation, self.ship.id)
+        self._kept_starboard = situation.on_starboard_side(self._own_ruleset(period).vocabulary)
         period.phase = Phase.SETTLING
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
@@ -202,7 +210,7 @@ class ShipAgent:
         settlements = []
         for mine in period.judged:
             theirs = self._heard_on_me(period, mine)
-            pair, encounter = remembered(situation, mine)
+            pair, encounter = remembered(situation, mine, theirs)
             if encounter is NO_ENCOUNTER:
                 self._encounters.pop(pair, None)
             else:
@@ -218,7 +226,7 @@ class ShipAgent:
             each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
         ]
         period.waits_for = {edge.first for edge in edges}
-        ruleset = self._rulesets[period.own.ruleset]
+        ruleset = self._own_ruleset(period)
         kinds = {edge.first: edge.kind for edge in edges}
         waiting = Waiting(ruleset.rank(self.ship), kinds, ruleset.criterion)
         period.waiting[self.ship.id] = waiting

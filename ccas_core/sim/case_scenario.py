@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
 from ..frames import FloatArray, NedPose
+from ..regions import Region
 from ..ships import UNKNOWN, FactValue, Hull, Ship, ShipId
 from ..tapd.case_run import crossing_time
 from ..tapd.cases import Case, CaseShip
 from ..tapd.facts import closest_approach, velocity
 from ..tapd.vocabulary import VOCABULARY, Scope
 from ..units import wrap
-from ..waterway import Leg, Region, Towards, Waters, Waterway
+from ..waterway import Leg, Towards, Waters, Waterway
 from .scenario import Plan, Scenario
 
 NARROW: Final = 160.0  # least width of a waterway [m]
@@ -55,7 +56,8 @@ def scenario_of(case: Case, rulesets: str | Mapping[ShipId, str], description: s
     """Lay waterways through the ships, one along the courses of those that are nearly parallel or opposite.
 
     `rulesets` is the id of the ruleset by which all ships judge, or of that of each; where there are two, a
-    border lies half-way between the ships.
+    border lies half-way between the ships, and each has its own ruleset aboard and no other, for else they
+    would agree on one.
 
     Raises
     ------
@@ -70,12 +72,19 @@ def scenario_of(case: Case, rulesets: str | Mapping[ShipId, str], description: s
     first = case.ships[0].id
     main = rulesets if isinstance(rulesets, str) else rulesets.get(first, next(iter(rulesets.values())))
     regions = () if isinstance(rulesets, str) else tuple(_regions(case, rulesets, main))
+
+    def carried(ship: ShipId) -> tuple[str, ...]:
+        return (rulesets.get(ship, main),) if regions and not isinstance(rulesets, str) else ()
+
     return Scenario(
         name=case.id,
         title=case.title,
         description=description,
         waters=Waters(ruleset=main, waterways=tuple(waterways), regions=regions),
-        ships=tuple(_plan(ship, waterways[of[ship.id]], lanes[of[ship.id]], case) for ship in case.ships),
+        ships=tuple(
+            replace(_plan(ship, waterways[of[ship.id]], lanes[of[ship.id]], case), rulesets=carried(ship.id))
+            for ship in case.ships
+        ),
     )
 
 

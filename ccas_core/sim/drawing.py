@@ -47,13 +47,14 @@ def water(axes: Axes, waters: Waters, view: View) -> list[Label]:
             fill(axes, shapely.get_coordinates(island), facecolor=LAND, **edge)
     labels = []
     window = shapely.box(view.south, view.west, view.north, view.east)
-    for number, region in enumerate(waters.regions):
+    for number, region in reversed([*enumerate(waters.laws.regions)]):  # what prevails comes last
         tint = TINTS[number % len(TINTS)]
         fill(axes, region.polygon, facecolor=tint, edgecolor="0.4", alpha=0.6, linestyle=":", linewidth=THIN)
-        inside = shapely.Polygon(region.polygon).intersection(window)
+        inside = region.shape.intersection(window)
         if not inside.is_empty:
             middle = inside.representative_point()
-            labels.append(Label(text=region.ruleset, north=middle.x, east=middle.y, colour="0.3", keep=True))
+            name = region.law.ruleset
+            labels.append(Label(text=name, north=middle.x, east=middle.y, colour="0.3", keep=True))
     for waterway in waters.waterways:
         north, east = waterway.centreline.T
         axes.plot(east, north, color="0.55", linewidth=THIN, linestyle=CENTRELINE, zorder=1.5)

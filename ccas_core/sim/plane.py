@@ -32,6 +32,11 @@ class Plane:
         self._firsts: dict[str, Node] = {}
         self._projection: Transformer | None = None
 
+    @property
+    def in_degrees(self) -> bool:
+        """Whether positions of this file are lonlat."""
+        return "lonlat" in self._firsts
+
     def points(self, node: Node, at_least: int) -> list[Point]:
         """Points of a line, of which no neighbours are the same."""
         places = self._reader.items(node, at_least)

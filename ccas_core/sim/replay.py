@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-import shapely
 
 from ..frames import FloatArray
+from ..regions import Region
 from ..ships import ShipId
-from ..waterway import Region, Waters
+from ..waterway import Waters
 from .replay_events import told_events
 from .replay_ships import DECIMETRES, Sailed, clearances, frame_times, refusal, sailed_ships, told_ship
 from .run_folder import DECISIONS, PLANS, SUMMARY
@@ -43,8 +43,7 @@ def replay(scenario: Scenario, run: Run, folder: Path) -> dict[str, Any]:
     rulesets = list(
         dict.fromkeys(
             [
-                scenario.waters.ruleset,
-                *(each.ruleset for each in scenario.waters.regions),
+                *(law.ruleset for law in scenario.waters.laws.laws),
                 *(row.ruleset for row in run.rows if row.ruleset),
             ]
         )
@@ -186,7 +185,7 @@ def _waters(waters: Waters, rulesets: Sequence[str]) -> dict[str, Any]:
     banks = waters.banks()
     parts = [part for part in getattr(banks, "geoms", [banks]) if not part.is_empty]
     return {
-        "ruleset": rulesets.index(waters.ruleset),
+        "ruleset": rulesets.index(waters.laws.laws[0].ruleset),
         "banks": [
             [_outline(ring.simplify(_BEND).coords) for ring in (part.exterior, *part.interiors)]
             for part in parts
@@ -195,7 +194,7 @@ def _waters(waters: Waters, rulesets: Sequence[str]) -> dict[str, Any]:
             {"id": each.id, "upstream": str(each.upstream), "centreline_dm": _outline(each.centreline)}
             for each in waters.waterways
         ],
-        "regions": [_region(each, banks, rulesets) for each in waters.regions],
+        "regions": [_region(each, banks, rulesets) for each in waters.laws.regions],
         "obstacles": [
             {"id": each.id, "at_dm": _outline([(each.x, each.y)]), "radius_m": each.radius}
             for each in waters.obstacles
@@ -204,12 +203,11 @@ def _waters(waters: Waters, rulesets: Sequence[str]) -> dict[str, Any]:
 
 
 def _region(region: Region, banks: Any, rulesets: Sequence[str]) -> dict[str, Any]:  # noqa: ANN401
-    shape = shapely.Polygon(region.polygon)
-    wet = shape.intersection(banks)
-    middle = (shape if wet.is_empty else wet).representative_point()
+    wet = region.shape.intersection(banks)
+    middle = (region.shape if wet.is_empty else wet).representative_point()
     return {
         "id": region.id,
-        "ruleset": rulesets.index(region.ruleset),
+        "ruleset": rulesets.index(region.law.ruleset),
         "polygon_dm": _outline(region.polygon),
         "label_dm": _outline([(middle.x, middle.y)]),
     }

@@ -191,6 +191,7 @@ def _verdict(view: Verdict) -> dict[str, object]:
         "article": view.article,
         "ruleset": view.ruleset,
         "version": view.version,
+        "lacks": view.lacks,
         "rule": view.rule,
         "reason": view.reason,
         "geometry": view.geometry,

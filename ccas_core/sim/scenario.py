@@ -30,6 +30,7 @@ class Plan:
     start: NedPose
     speed: float  # nominal, U^d [m/s]
     conduct: Conduct = Conduct.DUTIFUL
+    rulesets: tuple[str, ...] = ()  # aboard, as ID or ID@VERSION; none: all that there are
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

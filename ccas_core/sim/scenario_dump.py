@@ -9,6 +9,7 @@ from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS
 from ..frames import FloatArray
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME
+from ..regions import Hysteresis
 from ..ships import Facts, Hull
 from ..tapd.vocabulary import VOCABULARY, Scope, Vocabulary
 from ..waterway import Waters
@@ -58,12 +59,20 @@ def dump_scenario(scenario: Scenario, vocabulary: Vocabulary = VOCABULARY) -> st
 
 
 def _waters_tree(waters: Waters, vocabulary: Vocabulary) -> dict[str, _Tree]:
-    tree: dict[str, _Tree] = {"ruleset": written(waters.ruleset)}
+    tree: dict[str, _Tree] = {"ruleset": written(waters.ruleset)} if waters.ruleset else {}
     if waters.regions:
         tree["regions"] = [
-            {"id": written(each.id), "ruleset": written(each.ruleset), "polygon": _points(each.polygon)}
+            {
+                "id": written(each.id),
+                "ruleset": written(each.ruleset),
+                **({"precedence": str(each.precedence)} if each.precedence else {}),
+                "polygon": _points(each.polygon),
+            }
             for each in waters.regions
         ]
+    if waters.hysteresis != Hysteresis():
+        kept = waters.hysteresis
+        tree["hysteresis"] = {"width": LENGTH.write(kept.width), "time": TIME.write(kept.time)}
     tree["waterways"] = [
         {
             "id": written(each.id),
@@ -104,6 +113,7 @@ def _plan_tree(plan: Plan, vocabulary: Vocabulary) -> dict[str, _Tree]:
         "course": ANGLE.write(full_circle(plan.start.course)),
         "speed": SPEED.write(plan.speed),
         **_facts_tree(plan.ship.facts, Scope.SHIP, vocabulary),
+        **({"rulesets": [written(each) for each in plan.rulesets]} if plan.rulesets else {}),
         **({"conduct": plan.conduct} if plan.conduct is not Conduct.DUTIFUL else {}),
     }
 

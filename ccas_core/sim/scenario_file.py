@@ -13,20 +13,22 @@ import numpy as np
 
 from ..agent.events import Conduct
 from ..dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
-from ..errors import ScenarioError, did_you_mean
+from ..errors import ScenarioError
 from ..findings import read_text
 from ..frames import NedPose
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME, Range
+from ..regions import Region
 from ..ships import Hull, Ship, ShipId
 from ..strict_yaml import Reader
 from ..tapd.vocabulary import VOCABULARY, Scope, Vocabulary
 from ..units import DEGREE, wrap
-from ..waterway import GuidingLine, Leg, Obstacle, Region, Towards, Waters, Waterway, guiding_line
-from ..yaml_nodes import Node, Scalar
+from ..waterway import GuidingLine, Leg, Obstacle, Towards, Waters, Waterway, guiding_line
+from ..yaml_nodes import Node
 from ..yaml_nodes import Sequence as List
 from .plane import Plane, Point
 from .scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
 from .scenario_facts import read_facts
+from .scenario_regions import read_carried, read_hysteresis, read_law, read_region, refuse_together
 
 SCHEMA: Final = "ccas/scenario@1"
 
@@ -62,7 +64,7 @@ def load_scenario(
     path
         The file.
     rulesets
-        Ids of the rulesets that there are; None: not checked.
+        Rulesets that there are, by id, or ids alone: then versions are not checked; None: nothing is.
     regions
         Regions of plugins, which a scenario may name.
     vocabulary
@@ -100,7 +102,7 @@ def parse_scenario(
         time_step=time_step,
         duration=duration,
         waters=waters,
-        ships=_ships(reader, root.require("ships"), plane, waters, waterways, vocabulary),
+        ships=_ships(reader, root.require("ships"), plane, waters, waterways, known),
         control=_control(reader, root.find("control")),
         bus=_bus(reader, root.find("bus")),
     )
@@ -121,28 +123,30 @@ def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Wa
     """What of the waters is well, and the ids of all waterways, well or not."""
     block = reader.block(node)
     ids: tuple[dict[str, Node], ...] = ({}, {}, {})
-    ruleset = _ruleset(reader, block.require("ruleset"), known.rulesets)
+    drawn_here = reader.items(block.find("regions"))
+    everywhere = block.find("ruleset") if drawn_here else block.require("ruleset")
+    ruleset = read_law(reader, everywhere, known.rulesets) if everywhere else ""
     reaches = [
         _waterway(reader, each, plane, ids[0], known.vocabulary)
         for each in reader.items(block.require("waterways"), 1)
     ]
-    regions = [_region(reader, each, plane, ids[1], known) for each in reader.items(block.find("regions"))]
+    by_id = {each.id: each for each in reaches if each}
+    regions = [
+        read_region(reader, each, plane, ids[1], by_id, known.rulesets, known.regions) for each in drawn_here
+    ]
+    hysteresis = read_hysteresis(reader, block.find("hysteresis"))
     obstacles = [_obstacle(reader, each, plane, ids[2]) for each in reader.items(block.find("obstacles"))]
-    block.done()
+    drawn = [each for each in regions if each]
     waters = Waters(
         ruleset=ruleset,
-        waterways=tuple(each for each in reaches if each),
-        regions=tuple(each for each in regions if each),
+        waterways=tuple(by_id.values()),
+        regions=tuple(each.region for each in drawn),
         obstacles=tuple(each for each in obstacles if each),
+        hysteresis=hysteresis,
     )
+    if block.done() and drawn:
+        refuse_together(reader, block, waters, drawn)
     return waters, ids[0].keys()
-
-
-def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> str:
-    ruleset = reader.text(node)
-    if ruleset and rulesets is not None and ruleset not in rulesets:
-        reader.unknown(node, "ruleset", ruleset, rulesets)
-    return ruleset
 
 
 def _waterway(
@@ -169,32 +173,6 @@ def _centreline(reader: Reader, node: Node, plane: Plane) -> list[Point]:
     return points
 
 
-def _region(reader: Reader, node: Node, plane: Plane, ids: dict[str, Node], known: _Known) -> Region | None:
-    """A region that is drawn here, or one of a plugin, by its id."""
-    if isinstance(node, Scalar) and not node.is_null:
-        name = reader.unique(ids, node, "region")
-        region = known.regions.get(name)
-        if name and region is None:
-            reader.unknown(node, "region", name, known.regions)
-        elif region and known.rulesets is not None and region.ruleset not in known.rulesets:
-            message = f"region '{name}' is under the unknown ruleset '{region.ruleset}'"
-            reader.refuse(node, message, hint=did_you_mean(region.ruleset, known.rulesets))
-        return region
-    block = reader.block(node)
-    id_ = reader.unique(ids, block.require("id"), "region")
-    ruleset = _ruleset(reader, block.require("ruleset"), known.rulesets)
-    border = block.require("polygon")
-    points = plane.points(border, 3)
-    if not block.done():
-        return None
-    from shapely import Polygon
-
-    if len(set(points)) < 3 or not Polygon(points).is_valid:
-        reader.refuse(border, "the polygon crosses itself or has no area", hint="go once around the region")
-        return None
-    return Region(id=id_, ruleset=ruleset, polygon=np.array(points))
-
-
 def _obstacle(reader: Reader, node: Node, plane: Plane, ids: dict[str, Node]) -> Obstacle | None:
     block = reader.block(node)
     id_ = reader.unique(ids, block.require("id"), "obstacle")
@@ -208,11 +186,11 @@ def _ships(
     node: Node,
     plane: Plane,
     waters: Waters,
-    known: Collection[str],
-    vocabulary: Vocabulary,
+    waterways: Collection[str],
+    known: _Known,
 ) -> tuple[Plan, ...]:
     ids: dict[str, Node] = {}
-    plans = [_plan(reader, each, plane, waters, known, ids, vocabulary) for each in reader.items(node, 1)]
+    plans = [_plan(reader, each, plane, waters, waterways, ids, known) for each in reader.items(node, 1)]
     return tuple(plan for plan in plans if plan)
 
 
@@ -221,9 +199,9 @@ def _plan(
     node: Node,
     plane: Plane,
     waters: Waters,
-    known: Collection[str],
+    waterways: Collection[str],
     ids: dict[str, Node],
-    vocabulary: Vocabulary,
+    known: _Known,
 ) -> Plan | None:
     block = reader.block(node)
     id_ = reader.unique(ids, block.require("id"), "ship")
@@ -233,18 +211,19 @@ def _plan(
             size[key] = reader.number(stated, LENGTH, _POSITIVE)
     mass = reader.number(block.require("weight"), MASS, _POSITIVE)
     legs = reader.items(block.require("route"), 1, _MAX_LEGS)
-    route = tuple(_leg(reader, each, known) for each in legs)
+    route = tuple(_leg(reader, each, waterways) for each in legs)
     north, east = plane.point(at := block.require("start"))
     towards = block.find("course")
     course = reader.number(towards, ANGLE, _COURSE) if towards else None
     speed = reader.number(block.require("speed"), SPEED, _SPEED)
-    facts = read_facts(reader, block.find("facts"), Scope.SHIP, vocabulary)
+    facts = read_facts(reader, block.find("facts"), Scope.SHIP, known.vocabulary)
     conduct = reader.choice(block.optional("conduct", "dutiful"), Conduct)
+    carried = read_carried(reader, block.find("rulesets"), known.rulesets)
     if not block.done() or (line := _line(reader, legs, route, waters)) is None:
         return None
     start = _start(reader, at, NedPose(north, east, 0.0), course, line, waters.waterway(route[0].waterway))
     ship = Ship(id=ShipId(id_), hull=Hull(**size), mass=mass, facts=facts)
-    return Plan(ship=ship, route=route, start=start, speed=speed, conduct=conduct)
+    return Plan(ship=ship, route=route, start=start, speed=speed, conduct=conduct, rulesets=carried)
 
 
 def _leg(reader: Reader, node: Node, known: Collection[str]) -> Leg:

@@ -18,6 +18,7 @@ from ..frames import NedTrajectory, PathPose, frozen_array
 from ..priority import Opening, Settlement
 from ..roles import Geometry
 from ..ships import ShipId
+from ..tapd.aboard import aboard
 from ..tapd.ruleset import AbstractRuleset
 from ..waterway import GuidingLine, guiding_line
 from .frame import Frame, ShipFrame
@@ -52,7 +53,7 @@ def voyage(
     scenario
         What is sailed.
     rulesets
-        By id; all that the waters name are needed.
+        By id; all that the waters and the ships name are needed.
     solver
         Of the local problems.
     """
@@ -151,7 +152,8 @@ def _launched(
 ) -> _UnderWay:
     line = guiding_line(scenario.waters, plan.route)
     own = replace(settings, conduct=plan.conduct)
-    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, rulesets, own)
+    carried = aboard(rulesets, plan.rulesets)
+    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, carried, own)
     return _UnderWay(plan=plan, line=line, pose=line.frame.to_path(plan.start), speed=plan.speed, agent=agent)
 
 

@@ -16,18 +16,15 @@ import numpy as np
 
 from ..agent.events import Conduct
 from ..dmpc.solvers import AbstractLocalSolver
-from ..priority import PriorityGraph
-from ..ships import ShipId
 from ..sim.conduct import CALM_BEYOND, has_acted
 from ..sim.frame import Frame
 from ..sim.metrics import summary
 from ..sim.scenario import Scenario
 from ..sim.scenario_dump import dump_scenario
 from ..sim.scenario_file import load_scenario, parse_scenario
+from ..sim.start import graph_at_start
 from ..sim.voyage import undisturbed_times, voyage
-from ..tapd.ruleset import AbstractRuleset, Situation
-from ..waterway import guiding_line
-from ..world import ShipReport, World
+from ..tapd.ruleset import AbstractRuleset
 from .alone import could_avoid
 from .changes import actions, changes_of_mind
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
@@ -109,29 +106,12 @@ def _with_breach(drawn: Scenario, rulesets: Mapping[str, AbstractRuleset], condu
     """Let one of the ships that are to give way at first break its duty: the first by its id."""
     obliged = {
         ship
-        for settlement in first_order(drawn, rulesets).settlements
+        for settlement in graph_at_start(drawn, rulesets).settlements
         for ship in (settlement.pair if settlement.fallback else settlement.one.give_way)
     }
     chosen = min(obliged, default=None)
     ships = tuple(replace(plan, conduct=conduct) if plan.ship.id == chosen else plan for plan in drawn.ships)
     return replace(drawn, ships=ships)
-
-
-def first_order(drawn: Scenario, rulesets: Mapping[str, AbstractRuleset]) -> PriorityGraph:
-    """Priority graph at the beginning of a scenario."""
-    reports: dict[ShipId, ShipReport] = {}
-    for plan in drawn.ships:
-        leg = guiding_line(drawn.waters, plan.route).legs[0]
-        reports[plan.ship.id] = ShipReport(
-            ship=plan.ship,
-            pose=plan.start,
-            speed=plan.speed,
-            waterway=leg.waterway,
-            towards=leg.towards,
-            ruleset=drawn.waters.ruleset_at(plan.start),
-        )
-    world = World(time=0.0, waters=drawn.waters, reports=reports)
-    return rulesets[drawn.waters.ruleset].emit(Situation(world=world))
 
 
 def sail(
@@ -181,4 +161,4 @@ def is_two_ships(cell: Cell) -> bool:
     return cell.draw in TWO_SHIPS
 
 
-__all__ = ["Case", "Risk", "cases", "first_order", "geometry", "is_two_ships", "sail", "scenario"]
+__all__ = ["Case", "Risk", "cases", "geometry", "is_two_ships", "sail", "scenario"]

@@ -1,15 +1,18 @@
 """The priority assignment of one ship, Algorithm 1: a verdict on every ship it knows of.
 
-The rules themselves are a ruleset's.  A ruleset that raises, or says nothing where it should, gives a
-verdict of `conflict`, so that the safe mutual rule applies and the log says why.
+The rules themselves are a ruleset's, and which ruleset that is goes by the law of each pair.  A ruleset that
+raises, or says nothing where it should, gives a verdict of `conflict`, so that the safe mutual rule applies
+and the log says why.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
+from .aboard import Aboard, judging
 from .encounters import Encounter, remember
 from .ruleset import AbstractRuleset, Pair, Situation
 
@@ -20,6 +23,20 @@ def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple
     """Judge every other ship from the side of `own`, in the order of ids."""
     others = sorted(ship for ship in situation.world.reports if ship != own)
     return tuple(judged(ruleset, situation, own, other) for other in others)
+
+
+def assign_by_law(rulesets: Aboard, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
+    """Judge every other ship by the law of the pair, in the order of ids."""
+    others = sorted(ship for ship in situation.world.reports if ship != own)
+    return tuple(judged_by_law(rulesets, situation, own, other) for other in others)
+
+
+def judged_by_law(rulesets: Aboard, situation: Situation, own: ShipId, other: ShipId) -> Verdict:
+    """Judge one pair by its law; a ship that has not got it judges by what it has, and says so."""
+    law = situation.law(own, other)
+    ruleset = judging(rulesets, law)
+    verdict = judged(ruleset, situation, own, other)
+    return verdict if law.is_met_by(ruleset.id, ruleset.version) else replace(verdict, lacks=str(law))
 
 
 def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: ShipId) -> Verdict:
@@ -51,8 +68,14 @@ def failed(ruleset: AbstractRuleset, own: ShipId, other: ShipId, error: Exceptio
     )
 
 
-def remembered(situation: Situation, verdict: Verdict) -> tuple[Pair, Encounter]:
-    """Carry the memory of a pair on by a period, given the verdict of one of its views."""
-    own, other = verdict.own, verdict.other
-    before = situation.encounter(own, other)
-    return (min(own, other), max(own, other)), remember(before, situation.facts(own, other), verdict)
+def remembered(situation: Situation, mine: Verdict, theirs: Verdict | None = None) -> tuple[Pair, Encounter]:
+    """Carry the memory of a pair on by a period, given one of its views, and the other if it was heard.
+
+    Ships that have judged by two laws forget what law they had, and look anew at where they meet: so they
+    come together again, whatever one of them has not heard.
+    """
+    own, other = mine.own, mine.other
+    agreed = theirs is None or (mine.ruleset, mine.version) == (theirs.ruleset, theirs.version)
+    law = situation.law(own, other) if agreed else None
+    after = remember(situation.encounter(own, other), situation.facts(own, other), mine, law)
+    return (min(own, other), max(own, other)), after

@@ -1,7 +1,8 @@
 """Memory of an encounter: what was true when it began holds until the ships are past and clear.
 
 Overtaking lasts until the overtaker is past and clear (COLREG 13(d), BPR 6.09); the starboard side and the
-direction are those of the first verdict.  Both ships remember the same, for they remember the same messages.
+direction are those of the first verdict, and so is the law, whatever borders the ships cross meanwhile.
+Both ships remember the same, for they remember the same messages.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from ..regions import Law
 from ..roles import Geometry
 from ..ships import UNKNOWN, FactValue, ShipId
 
@@ -26,9 +28,13 @@ _GIVEN_UP: Final = 3600.0  # an overtaker that needs longer than this has given 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Encounter:
-    """What two ships remember of their encounter; `geometry` is none where there is none."""
+    """What two ships remember of their encounter; `geometry` is none where there is none.
+
+    `law` is the one that they judge by until it is over; None where they have yet to agree on one.
+    """
 
     geometry: Geometry = Geometry.NONE
+    law: Law | None = None
     overtaker: ShipId | None = None
     has_other_on_starboard: ShipId | None = None
     held: Mapping[ShipId, Mapping[str, FactValue]] = field(default_factory=dict)
@@ -43,8 +49,11 @@ class Encounter:
 NO_ENCOUNTER: Final = Encounter()
 
 
-def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter:
-    """Carry an encounter on by a period: begin it, keep it, or end it when past and clear."""
+def remember(before: Encounter, facts: PairFacts, verdict: Verdict, law: Law | None = None) -> Encounter:
+    """Carry an encounter on by a period: begin it, keep it, or end it when past and clear.
+
+    `law` is that of the pair in this period.
+    """
     distance = facts.quantity(("distance",))
     if before.geometry is Geometry.NONE:
         if verdict.geometry is Geometry.NONE:
@@ -52,6 +61,7 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter
         held = {ship: _known(facts, side) for ship, side in _sides(facts)}
         return Encounter(
             geometry=verdict.geometry,
+            law=law,
             overtaker=verdict.overtaker,
             has_other_on_starboard=verdict.has_other_on_starboard,
             held=held,
@@ -62,7 +72,7 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict) -> Encounter
     if opening >= _OPENING_PERIODS and apart and _past(before, facts):
         return NO_ENCOUNTER
     held = {ship: {**_known(facts, side), **before.held.get(ship, {})} for ship, side in _sides(facts)}
-    return replace(before, held=held, distance=distance, opening_periods=opening)
+    return replace(before, law=law, held=held, distance=distance, opening_periods=opening)
 
 
 def _sides(facts: PairFacts) -> tuple[tuple[ShipId, str], ...]:

@@ -14,11 +14,13 @@ from types import MappingProxyType
 from typing import Any
 
 from ..priority import LIGHTEST_FIRST, PriorityGraph, settle
+from ..regions import Law
 from ..ships import Ship, ShipId
 from ..verdict import Kind, Verdict
 from ..world import World
 from .encounters import NO_ENCOUNTER, Encounter
 from .facts import PairFacts, assess, known_values
+from .pair_law import law_of_pair
 from .vocabulary import VOCABULARY, Scope, Vocabulary
 
 Pair = tuple[ShipId, ShipId]  # sorted
@@ -64,6 +66,14 @@ class Situation:
         place = vocabulary.places[Scope.SHIP]["follows_starboard_side"]
         values = {ship: self.ship_values(ship, vocabulary)[place] for ship in self.world.reports}
         return frozenset(ship for ship, value in values.items() if value is True)
+
+    def law(self, own: ShipId, other: ShipId) -> Law:
+        """Law by which two ships judge one another: that of their encounter, or of where they will meet."""
+        world = self.world
+        if not world.waters.regions:
+            return world.waters.laws.at(world.reports[own].pose)
+        remembered = self.encounter(own, other).law
+        return remembered or law_of_pair(world.waters, world.reports[own], world.reports[other])
 
     def encounter(self, own: ShipId, other: ShipId) -> Encounter:
         """What is remembered of two ships."""

@@ -164,14 +164,13 @@ def _title(example: Disagreement) -> str:
 def _replayed(rulesets: tuple[PairRuleset, ...], case: Case) -> Scenario | None:
     """A scenario in which the rulesets disagree at the start; None where on a chart they do not."""
     from ccas_core.sim.case_scenario import scenario_of
-
-    from .start import settlements_at_start, world_at_start
+    from ccas_core.sim.start import settlements_at_start
 
     scenario = scenario_of(case, rulesets[0].id)
     said = []
     for ruleset in rulesets:
-        world = world_at_start(replace(scenario, waters=replace(scenario.waters, ruleset=ruleset.id)))
-        (settlement,) = settlements_at_start(world, {ruleset.id: ruleset})
+        under = replace(scenario, waters=replace(scenario.waters, ruleset=ruleset.id))
+        (settlement,) = settlements_at_start(under, {ruleset.id: ruleset})
         said.append((settlement.one.kind, settlement.one.passing_side, settlement.one.initiator))
     return scenario if said[0] != said[1] else None
 

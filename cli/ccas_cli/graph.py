@@ -43,14 +43,13 @@ def graph(
     Example:
         ccas graph tran2026/fig_12 --format svg > fig_12.svg
     """
-    from .start import graph_at_start, world_at_start
+    from ccas_core.sim.start import graph_at_start
 
     plugins = inputs.load_plugins(context)
     found = inputs.read_scenario(scenario, plugins, ruleset)
-    world = world_at_start(found)
-    priority = graph_at_start(world, plugins.rulesets)
+    priority = graph_at_start(found, plugins.rulesets)
     if as_json or form is Format.JSON:
-        talk.show_json({"scenario": found.name, "time_s": world.time, **_as_json(priority)})
+        talk.show_json({"scenario": found.name, "time_s": 0.0, **_as_json(priority)})
     elif form is Format.DOT:
         talk.show(_as_dot(found.name, priority))
     elif form is Format.SVG:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ccas_core.priority import PriorityGraph, Settlement
     from ccas_core.ships import ShipId
     from ccas_core.sim.scenario import Scenario
+    from ccas_core.tapd.aboard import Aboard
     from ccas_core.tapd.cases import Case
     from ccas_core.tapd.facts import PairFacts
     from ccas_core.tapd.ruleset import AbstractRuleset, PairRuleset, Situation
@@ -70,31 +71,36 @@ def checked(pair: tuple[str, str] | None, known: Sequence[str]) -> set[str] | No
 
 def of_scenario(scenario: Scenario, plugins: Plugins, pair: tuple[str, str] | None) -> list[Meeting]:
     """Pairs at the start of a scenario."""
+    from ccas_core.sim.start import graph_at_start, rulesets_aboard, settlements_at_start, world_at_start
     from ccas_core.tapd.ruleset import Situation
-
-    from .start import graph_at_start, settlements_at_start, world_at_start
 
     world = world_at_start(scenario)
     wanted = checked(pair, sorted(world.reports))
-    graph = graph_at_start(world, plugins.rulesets)
+    graph = graph_at_start(scenario, plugins.rulesets)
+    carried = rulesets_aboard(scenario, plugins.rulesets)
     situation = Situation(world=world)
     return [
-        in_situation(settlement, situation, situation, plugins, graph)
-        for settlement in settlements_at_start(world, plugins.rulesets)
+        in_situation(settlement, situation, situation, carried, graph)
+        for settlement in settlements_at_start(scenario, plugins.rulesets)
         if wanted in (None, set(settlement.pair))
     ]
 
 
 def in_situation(
-    settlement: Settlement, now: Situation, fresh: Situation, plugins: Plugins, graph: PriorityGraph
+    settlement: Settlement,
+    now: Situation,
+    fresh: Situation,
+    carried: Mapping[ShipId, Aboard],
+    graph: PriorityGraph,
 ) -> Meeting:
     """Two ships on a chart; `fresh` is the situation without what is remembered."""
+    from ccas_core.tapd.aboard import judging
     from ccas_core.tapd.encounters import NO_ENCOUNTER
 
     one, other = settlement.pair
     sides = {}
     for own, target in ((one, other), (other, one)):
-        ruleset = plugins.rulesets[now.world.reports[own].ruleset]
+        ruleset = judging(carried[own], now.law(own, target))
         facts = now.facts(own, target, ruleset.vocabulary)
         anew = facts if now is fresh else fresh.facts(own, target, ruleset.vocabulary)
         known = now.encounter(own, target) is not NO_ENCOUNTER

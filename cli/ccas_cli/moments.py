@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ccas_core.priority import Settlement
     from ccas_core.sim.run_reading import Row, Run
     from ccas_core.sim.scenario import Scenario
+    from ccas_core.tapd.aboard import Aboard
     from ccas_core.tapd.ruleset import Pair, Situation
     from ccas_core.waterway import GuidingLine
     from ccas_core.world import World
@@ -132,6 +133,7 @@ def _recomputed(
     from ccas_core.priority import PriorityGraph
     from ccas_core.sim.run_folder import SCENARIO
     from ccas_core.sim.scenario_file import parse_scenario
+    from ccas_core.sim.start import rulesets_aboard
     from ccas_core.tapd.ruleset import Situation
     from ccas_core.waterway import guiding_line
 
@@ -153,36 +155,37 @@ def _recomputed(
     if unknown := sorted(ships - lines.keys()):
         message = f"does not have ship '{unknown[0]}', which was sailed"
         raise InputError(Diagnostic(source=str(folder / SCENARIO), message=message))
+    carried = rulesets_aboard(scenario, plugins.rulesets)
     before = Situation(world=_world(scenario, lines, []))
     now = before
     for _, present in sorted(rows.items()):
         now = replace(before, world=_world(scenario, lines, present))
         there = [pair for pair in pairs if set(pair) <= now.world.reports.keys()]
-        last, encounters = _judged(now, there, plugins)
+        last, encounters = _judged(now, there, carried)
         kept = now.on_starboard_side(plugins.vocabulary)
         before = Situation(world=now.world, encounters=encounters, kept_starboard=kept)
     fresh = Situation(world=now.world, kept_starboard=now.kept_starboard)
     masses = {ship: report.ship.mass for ship, report in now.world.reports.items()}
     graph = PriorityGraph(masses=masses, settlements=tuple(last))
-    return [in_situation(each, now, fresh, plugins, graph) for each in last]
+    return [in_situation(each, now, fresh, carried, graph) for each in last]
 
 
 def _judged(
-    now: Situation, pairs: Sequence[tuple[ShipId, ShipId]], plugins: Plugins
+    now: Situation, pairs: Sequence[tuple[ShipId, ShipId]], carried: Mapping[ShipId, Aboard]
 ) -> tuple[list[Settlement], dict[Pair, Any]]:
     """Verdicts of a period, and what is remembered of the pairs after it."""
     from ccas_core.priority import settle
-    from ccas_core.tapd.assign import judged, remembered
+    from ccas_core.tapd.assign import judged_by_law, remembered
     from ccas_core.tapd.encounters import NO_ENCOUNTER
 
     reports = now.world.reports
     masses = {ship: report.ship.mass for ship, report in reports.items()}
     settlements, encounters = [], {}
     for one, other in pairs:
-        mine = judged(plugins.rulesets[reports[one].ruleset], now, one, other)
-        theirs = judged(plugins.rulesets[reports[other].ruleset], now, other, one)
+        mine = judged_by_law(carried[one], now, one, other)
+        theirs = judged_by_law(carried[other], now, other, one)
         settlements.append(settle(mine, theirs, masses))
-        pair, encounter = remembered(now, mine)
+        pair, encounter = remembered(now, mine, theirs)
         if encounter is not NO_ENCOUNTER:
             encounters[pair] = encounter
     return settlements, encounters

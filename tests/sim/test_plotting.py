@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
+from ccas_core.regions import Region
 from ccas_core.ships import ShipId
 from ccas_core.sim import plotting
 from ccas_core.sim.chart import COLOURS, duties, moments, place, sailed, style
@@ -24,7 +25,7 @@ from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import guiding_frames, safety_indices
 from ccas_core.sim.scenario import Scenario
 from ccas_core.verdict import Kind
-from ccas_core.waterway import Leg, Obstacle, Region, Towards
+from ccas_core.waterway import Leg, Obstacle, Towards
 
 from . import EAST, NORTH, WEST, A, B, C, always, plan, scenario, settlement, voyage, waters
 

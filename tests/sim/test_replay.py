@@ -16,6 +16,7 @@ import pytest
 
 from ccas_core.errors import InputError
 from ccas_core.priority import Edge, EdgeKind, Opening
+from ccas_core.regions import Region
 from ccas_core.ships import ShipId
 from ccas_core.sim import replay_ships
 from ccas_core.sim.frame import Frame
@@ -26,7 +27,7 @@ from ccas_core.sim.run_folder import RunWriter
 from ccas_core.sim.run_reading import read_run
 from ccas_core.sim.scenario import Scenario
 from ccas_core.verdict import Kind
-from ccas_core.waterway import Obstacle, Region
+from ccas_core.waterway import Obstacle
 
 from . import EAST, NORTH, WEST, A, B, Settled, always, plan, scenario, settlement, voyage, waters
 

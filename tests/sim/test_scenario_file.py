@@ -16,6 +16,7 @@ from ccas_core.dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
 from ccas_core.errors import Diagnostic, ScenarioError
 from ccas_core.frames import NedPose
 from ccas_core.quantities import MASS
+from ccas_core.regions import Region
 from ccas_core.ships import UNKNOWN, FactValue, Hull, Ship, ShipId
 from ccas_core.sim.scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
@@ -23,7 +24,7 @@ from ccas_core.sim.scenario_file import load_scenario, parse_scenario
 from ccas_core.tapd.vocabulary import VOCABULARY, Fact, Scope, Source
 from ccas_core.tapd.vocabulary import Kind as FactKind
 from ccas_core.units import DEGREE
-from ccas_core.waterway import Leg, Obstacle, Region, Towards, Waters, Waterway
+from ccas_core.waterway import Leg, Obstacle, Towards, Waters, Waterway
 
 TEXT = """\
 schema: ccas/scenario@1

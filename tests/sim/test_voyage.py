@@ -21,12 +21,13 @@ from ccas_core.dmpc.local_problem import LocalProblem, Solution
 from ccas_core.dmpc.outcome import Outcome
 from ccas_core.dmpc.solvers import AbstractLocalSolver, make_solver
 from ccas_core.frames import FloatArray, NedPose, PathPose
+from ccas_core.regions import Region
 from ccas_core.sim.frame import Frame
 from ccas_core.sim.metrics import summary
 from ccas_core.sim.run_folder import RunWriter
 from ccas_core.sim.scenario import ControlChoice, Plan, Scenario
 from ccas_core.sim.voyage import PERIODS_ALLOWED, periods_limit, undisturbed_times, voyage
-from ccas_core.waterway import Leg, Region, Towards, Waters, Waterway, guiding_line
+from ccas_core.waterway import Leg, Towards, Waters, Waterway, guiding_line
 
 from . import EAST, NORTH, SPEED, STEP, WEST, A, B, plan, scenario, ship, waters
 
@@ -232,12 +233,14 @@ def border() -> Waters:
 def test_ships_under_different_rulesets_fall_back_to_the_safe_mutual_rule(
     solver: AbstractLocalSolver,
 ) -> None:
-    of = scenario(plan(A, EAST, before=600.0), plan(B, WEST, before=600.0), on=border())
+    """A ship that has not the law of the pair judges by what it has."""
+    lacking = replace(plan(A, EAST, before=600.0), rulesets=("tran2026",))
+    of = scenario(lacking, plan(B, WEST, before=600.0), on=border())
     (first,) = sail(replace(of, control=CONTROL), solver, 1)
 
     assert {id_: now.ruleset for id_, now in first.ships.items()} == {A: "tran2026", B: "tran2026_printed"}
     (settlement,) = first.settlements
-    assert re.search(r"a judges by tran2026 .*, b by tran2026_printed", settlement.fallback)
+    assert re.search(r"a judges by tran2026 .* for want of .*, b by tran2026_printed", settlement.fallback)
     assert settlement.mutual
     assert first.generations == ((A,), (B,))  # equal mass: the smaller id first
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from ccas_core.events import OrderDecided
 from ccas_core.hookspecs import PluginInfo, hookimpl
+from ccas_core.regions import Region
 from ccas_core.tapd.python_rules import PairView, PythonRule, RoleDecision, ShipView
 from ccas_core.tapd.vocabulary import Fact, Kind, Scope, Source
-from ccas_core.waterway import Region
 
 DECIDED: Counter[int] = Counter()  # how often so many ships had to decide one after the other
 
