@@ -191,7 +191,6 @@ def _verdict(view: Verdict) -> dict[str, object]:
         "article": view.article,
         "ruleset": view.ruleset,
         "version": view.version,
-        "lacks": view.lacks,
         "rule": view.rule,
         "reason": view.reason,
         "geometry": view.geometry,
@@ -201,6 +200,7 @@ def _verdict(view: Verdict) -> dict[str, object]:
         "initiator": view.initiator,
         "confidence": view.citation and view.citation.confidence,
         "facts": dict(sorted(view.facts.items())),
+        **({"lacks": view.lacks} if view.lacks else {}),
     }
 
 

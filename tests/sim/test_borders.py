@@ -144,6 +144,7 @@ def test_a_ship_without_the_ruleset_falls_back_where_it_holds_and_nowhere_else()
     assert {each["why"] for each in met} == {
         "rhenish judges by ccnr 2022.3.26, stranger by bpr 2026.6.17 for want of ccnr"
     }
+    assert {each["verdicts"]["stranger"]["lacks"] for each in met} == {"ccnr"}
     assert {each["applied"] for each in dutch} == {"agreed"}
 
 
