@@ -13,8 +13,8 @@ from ccas_core.sim.hulls import Track, clearances
 from ccas_core.sim.scenario import Plan, Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import parse_scenario
+from ccas_core.sim.start import graph_at_start
 from ccas_core.sim.undisturbed import undisturbed
-from ccas_core.sweep.case import first_order
 from ccas_core.sweep.draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from ccas_core.sweep.fleet import room_needed
 from ccas_core.sweep.groups import APART, draw_junction, draw_reach
@@ -98,7 +98,7 @@ def test_at_a_mouth_the_ship_on_the_narrower_waterway_comes_out_and_the_sign_ran
         (out,) = (plan for plan in scenario.ships if plan.route[0].waterway != main.id)
         assert out.ship.facts["manoeuvre"] == "entering_main"
         if all(plan.ship.hull.length >= 20.0 for plan in scenario.ships):
-            (met,) = first_order(scenario, rulesets).settlements
+            (met,) = graph_at_start(scenario, rulesets).settlements
             assert met.one.give_way == (out.ship.id,)
     assert 18 <= mouths <= 42
 
