@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import pluggy
 
 if TYPE_CHECKING:
+    from .controllers import AbstractController
     from .events import DeadlockDetected, OrderDecided, RulesetSwitched
     from .regions import Region
     from .tapd.python_rules import PythonRule
@@ -65,6 +66,11 @@ def ccas_criteria() -> Iterable[RankingCriterion]:  # type: ignore[empty-body]
 @hookspec
 def ccas_regions() -> Iterable[Region]:  # type: ignore[empty-body]
     """Return regions, which scenarios ask for by their ids."""
+
+
+@hookspec
+def ccas_controllers() -> Iterable[AbstractController]:  # type: ignore[empty-body]
+    """Return controllers, which ships of a scenario ask for by their names: `control: NAME`."""
 
 
 @hookspec

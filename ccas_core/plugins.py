@@ -18,6 +18,7 @@ from typing import Any, Final
 import pluggy
 
 from . import hookspecs
+from .controllers import RESERVED, AbstractController
 from .entry_points import EntryPoint, apart, package_of
 from .errors import Diagnostic, RulesetError, did_you_mean
 from .hookspecs import PluginInfo
@@ -37,6 +38,7 @@ _COLLECTED: Final[Mapping[str, tuple[type, ...]]] = {  # what may be returned, b
     "ccas_pair_rules": (PythonRule,),
     "ccas_criteria": (RankingCriterion,),
     "ccas_regions": (Region,),
+    "ccas_controllers": (AbstractController,),
 }
 
 
@@ -67,6 +69,7 @@ class Plugins:
     pair_rules: Mapping[str, PythonRule]
     criteria: Mapping[str, RankingCriterion]
     regions: Mapping[str, Region]
+    controllers: Mapping[str, AbstractController]
     packages: Mapping[str, str]  # plugin -> its distribution, with its version
     offers: Mapping[str, Mapping[str, tuple[str, ...]]]  # plugin -> hook -> names of what it offers
     troubles: Troubles  # what fails while plugins are at work
@@ -130,6 +133,7 @@ def _together(
     python = _by_name(loaded, failures, "ccas_pair_rules", "rule in Python", lambda rule: rule.name)
     criteria = _by_name(loaded, failures, "ccas_criteria", "criterion", lambda each: each.name)
     regions = _by_name(loaded, failures, "ccas_regions", "region", lambda region: region.id)
+    controllers = _by_name(loaded, failures, "ccas_controllers", "controller", lambda each: each.name)
     identified = _identified(loaded, failures)
     owned = _by_name(identified, failures, "ccas_rulesets", "ruleset", lambda each: each[0])
     owners = {each[0]: plugin.name for plugin in identified for each in plugin.offers["ccas_rulesets"]}
@@ -154,6 +158,7 @@ def _together(
         pair_rules=MappingProxyType(python),
         criteria=MappingProxyType(criteria),
         regions=MappingProxyType(regions),
+        controllers=MappingProxyType(controllers),
         packages=MappingProxyType({plugin.name: plugin.package for plugin in loaded}),
         offers=MappingProxyType({plugin.name: _offered(plugin) for plugin in identified}),
         troubles=troubles,
@@ -230,6 +235,8 @@ def _collected(manager: pluggy.PluginManager, hook: str, kinds: tuple[type, ...]
             raise TypeError(f"{hook} must return {_wanted(hook)}, got {type(each).__name__}")
         if isinstance(each, AbstractRuleset):
             _check_ruleset(each)
+        if isinstance(each, AbstractController):
+            _check_controller(each)
     return offered
 
 
@@ -241,6 +248,14 @@ def _check_ruleset(ruleset: AbstractRuleset) -> None:
     for name in ("id", "version", "title"):
         if not isinstance(value := getattr(ruleset, name, None), str) or not value:
             raise TypeError(f"{name} of {type(ruleset).__name__} must be a text, got {value!r}")
+
+
+def _check_controller(controller: AbstractController) -> None:
+    name = getattr(controller, "name", None)
+    if not isinstance(name, str) or not name.isidentifier() or name in RESERVED:
+        taken = " or ".join(RESERVED)
+        kind = type(controller).__name__
+        raise TypeError(f"name of {kind} must be a word, and not {taken}, got {name!r}")
 
 
 def _names(offered: Iterable[Any]) -> tuple[str, ...]:

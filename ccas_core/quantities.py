@@ -70,7 +70,13 @@ ANGLE: Final = Quantity("an angle", {"deg": units.DEGREE, "rad": 1.0})
 MASS: Final = Quantity("a weight", {"t": units.TONNE, "kg": 1.0})
 AREA: Final = Quantity("an area", {"m2": 1.0})
 CURVATURE: Final = Quantity("a curvature", {"1/m": 1.0})
-_QUANTITIES = (NUMBER, TIME, LENGTH, SPEED, ANGLE, MASS, AREA, CURVATURE)
+ACCELERATION: Final = Quantity("an acceleration", {"m/s2": 1.0})
+YAW_RATE: Final = Quantity("a yaw rate", {"deg/s": units.DEGREE, "rad/s": 1.0})
+YAW_ACCELERATION: Final = Quantity("a change of a yaw rate", {"deg/s2": units.DEGREE, "rad/s2": 1.0})
+_QUANTITIES = (
+    *(NUMBER, TIME, LENGTH, SPEED, ANGLE, MASS, AREA, CURVATURE),
+    *(ACCELERATION, YAW_RATE, YAW_ACCELERATION),
+)
 QUANTITY_OF: Final = {unit: quantity for quantity in _QUANTITIES for unit in quantity.units}
 
 

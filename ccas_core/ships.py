@@ -8,6 +8,8 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Final, NewType, TypeAlias
 
+from .domains import AbstractDomain, Rectangle
+
 ShipId = NewType("ShipId", str)
 
 
@@ -51,6 +53,13 @@ class Ship:
     hull: Hull
     mass: float  # displacement [kg]
     facts: Facts = field(default_factory=dict)  # stated facts, by name; angles in rad, lengths in m
+    stated_domain: AbstractDomain | None = None  # None: the safety area of the hull
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "facts", MappingProxyType(dict(self.facts)))
+
+    @property
+    def domain(self) -> AbstractDomain:
+        """Safety domain: the one that is stated, or the safety area of the hull."""
+        area = Rectangle(length=self.hull.safety_length, breadth=self.hull.safety_beam)
+        return self.stated_domain or area

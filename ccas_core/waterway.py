@@ -19,6 +19,7 @@ import numpy as np
 from .frames import FloatArray, NedPose, PathFrame, PathTrajectory, frozen_array
 from .regions import Hysteresis, Law, LawMap, Region
 from .ships import Facts
+from .surge_yaw import Current
 
 if TYPE_CHECKING:
     from shapely import Point
@@ -97,6 +98,7 @@ class Waters:
     regions: tuple[Region, ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
     hysteresis: Hysteresis = field(default_factory=Hysteresis)
+    current: Current = field(default_factory=Current)  # drifts ships that are steered by surge and yaw rate
     _laws: LawMap = field(init=False, repr=False)
     _by_id: dict[str, Waterway] = field(init=False, repr=False)
     _junctions: dict[tuple[str, str], NedPose | None] = field(init=False, repr=False)  # found so far

@@ -22,6 +22,7 @@ class ShipReport:
     waterway: str  # id of the waterway it follows now
     towards: Towards  # the end of the centreline it makes for
     ruleset: str  # id of the ruleset that holds where it is
+    cooperates: bool = True  # it tells its verdicts and its intention; if not, it is known by AIS alone
     facts: dict[object, tuple[Any, ...]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )  # what `tapd.facts` has read from it so far: all who heard it ask for the same

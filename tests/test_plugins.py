@@ -15,6 +15,7 @@ import pytest
 
 import ccas_rulesets
 from ccas_core import hookspecs, plugins
+from ccas_core.controllers import AbstractController, Outlook, Steering
 from ccas_core.errors import RulesetError
 from ccas_core.events import DeadlockDetected, OrderDecided, RulesetSwitched
 from ccas_core.hookspecs import PluginInfo, hookimpl
@@ -298,6 +299,36 @@ def test_ccas_regions_are_collected_by_id() -> None:
     assert found.regions == {"basin": REGION}
 
 
+def test_ccas_controllers_are_collected_by_name() -> None:
+    waiting = Waiting()
+
+    found = plugins.load([Point("p", lambda: plugin(ccas_controllers=[waiting]))])
+
+    assert found.controllers == {"waiting": waiting}
+    assert found.offers["p"]["ccas_controllers"] == ("waiting",)
+
+
+@pytest.mark.parametrize("name", ["tracked", "cooperative", "two words", "", None])
+def test_controller_with_a_name_that_no_scenario_could_say_is_refused(name: object) -> None:
+    waiting = Waiting()
+    waiting.name = name  # type: ignore[assignment]
+
+    found = plugins.load([Point("p", lambda: plugin(ccas_controllers=[waiting]))])
+
+    assert found.controllers == {}
+    assert "name of Waiting must be a word" in found.failures[0].cause
+
+
+class Waiting(AbstractController):
+    """A controller that does nothing."""
+
+    name = "waiting"
+
+    def steer(self, outlook: Outlook, memory: object) -> Steering:
+        """Do nothing."""
+        raise NotImplementedError
+
+
 REGION = Region(id="basin", ruleset="bpr", polygon=np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]))
 ORDER = OrderDecided(time=20.0, generations=((A,), (B,)))
 SWITCH = RulesetSwitched(time=20.0, ship=A, before="bpr", after="ccnr")
@@ -442,6 +473,7 @@ def test_plugin_name_that_two_packages_use_is_refused_to_both() -> None:
         ("ccas_pair_rules", PythonRule("same", lambda _: None), "rule in Python 'same'"),
         ("ccas_criteria", RankingCriterion("same", lambda _: 0.0), "criterion 'same'"),
         ("ccas_regions", REGION, "region 'basin'"),
+        ("ccas_controllers", Waiting(), "controller 'waiting'"),
     ],
 )
 def test_name_that_two_plugins_use_is_refused_to_both(hook: str, offer: object, what: str) -> None:
@@ -467,7 +499,8 @@ def test_fact_whose_name_is_taken_leaves_its_plugin_out(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "hook", ["ccas_facts", "ccas_pair_rules", "ccas_criteria", "ccas_regions", "ccas_rulesets"]
+    "hook",
+    ["ccas_facts", "ccas_pair_rules", "ccas_criteria", "ccas_regions", "ccas_controllers", "ccas_rulesets"],
 )
 def test_hook_that_returns_another_type_leaves_its_plugin_out(hook: str) -> None:
     found = plugins.load([Point("bad", lambda: plugin(**{hook: [7]})), point("good", Silent())])

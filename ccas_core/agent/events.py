@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from ..dmpc.local_problem import LocalProblem, Solution
 from ..dmpc.parameters import Settings
 from ..frames import FloatArray, NedPose, NedTrajectory
 from ..priority import Opening, Settlement
 from ..roles import Geometry
+from ..surge_yaw import Motion
 from .messages import Message
 
 
@@ -86,6 +87,8 @@ class Decision:
     fallback: str
     update_ms: tuple[float, ...]
     residuals: tuple[float, ...]
+    motion: Motion | None = None  # of a ship that is steered by surge speed and yaw rate
+    saw: tuple[str, ...] = ()  # what the ship found wrong with reports of others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,3 +102,10 @@ class Step:
 
 
 Event: TypeAlias = Message | Sensed | Solved
+
+
+class Agent(Protocol):
+    """Whoever decides for a ship: a state machine without input and output of its own."""
+
+    def step(self, now: float, inbox: Sequence[Event]) -> Step:
+        """Take what has come, go on as far as possible, and say what is wanted."""

@@ -34,6 +34,8 @@ class Period:
     own: ShipReport
     phase: Phase = Phase.LISTENING
     reports: dict[ShipId, ShipReport] = field(default_factory=dict)
+    saw: tuple[str, ...] = ()  # what was wrong with reports
+    silent: frozenset[ShipId] = frozenset()  # ships that do not cooperate
     situation: Situation | None = None  # as it was judged
     judged: tuple[Verdict, ...] = ()
     heard: dict[ShipId, tuple[Verdict, ...]] = field(default_factory=dict)
@@ -49,6 +51,11 @@ class Period:
     asked: bool = False  # a request is out
     progressed: float = 0.0  # when somebody last told a decision [s]
     resent: float = 0.0  # when the ship last told its own [s]
+
+    @property
+    def talking(self) -> frozenset[ShipId]:
+        """Ships whose word is awaited."""
+        return frozenset(self.reports) - self.silent
 
     @property
     def decided(self) -> frozenset[ShipId]:

@@ -18,8 +18,7 @@ from ..dmpc.local_problem import Solution
 from ..dmpc.solvers import AbstractLocalSolver
 from ..ships import ShipId
 from .bus import Bus
-from .events import Decision, Event, Request, Sensed, Solved
-from .ship_agent import ShipAgent
+from .events import Agent, Decision, Event, Request, Sensed, Solved
 
 _Asked: TypeAlias = tuple[list[tuple[ShipId, Request]], Callable[[], list[Solution]]]
 TOGETHER: Final = 128  # ships whose problems are handed to the solver at once, while the next ships step
@@ -34,7 +33,7 @@ class PeriodLog:
 
 
 def run_period(
-    agents: Mapping[ShipId, ShipAgent],
+    agents: Mapping[ShipId, Agent],
     bus: Bus,
     solver: AbstractLocalSolver,
     sensed: Mapping[ShipId, Sensed],
@@ -51,7 +50,7 @@ def run_period(
 
 
 def _run(
-    agents: Mapping[ShipId, ShipAgent],
+    agents: Mapping[ShipId, Agent],
     bus: Bus,
     solver: AbstractLocalSolver,
     sensed: Mapping[ShipId, Sensed],
@@ -85,7 +84,7 @@ def _run(
 
 
 def _stepped(
-    agents: Mapping[ShipId, ShipAgent],
+    agents: Mapping[ShipId, Agent],
     awake: Sequence[ShipId],
     now: float,
     inboxes: dict[ShipId, list[Event]],

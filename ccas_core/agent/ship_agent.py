@@ -30,7 +30,7 @@ from ..regions import InForce, Law
 from ..roles import Geometry
 from ..ships import Hull, Ship, ShipId
 from ..tapd.aboard import Aboard, judging
-from ..tapd.assign import assign_by_law, remembered
+from ..tapd.assign import assign_by_law, judged_by_law, remembered
 from ..tapd.deadlock import Waiting, opened_orders, released
 from ..tapd.encounters import NO_ENCOUNTER, Encounter
 from ..tapd.ruleset import AbstractRuleset, Pair, Situation
@@ -40,6 +40,7 @@ from ..world import ShipReport, World
 from .events import AgentSettings, Conduct, Decision, Event, Request, Sensed, Solved, Step
 from .knowledge import Period, Phase
 from .messages import Gossip, Intention, Message, Report, Verdicts
+from .sightings import Sightings, silent
 
 BROKEN_BEYOND: Final = 3.0  # a ship that is so far from where it promised to be has broken its promise [m]
 FORGOTTEN: Final = 10  # periods of silence after which an encounter is forgotten
@@ -89,6 +90,7 @@ class ShipAgent:
         self._promises: dict[ShipId, NedTrajectory] = {}  # intentions of the last period
         self._last_reports: dict[ShipId, ShipReport] = {}  # for ships that fall silent
         self._last_heard: dict[ShipId, int] = {}  # period of the last report
+        self._sightings: Final = Sightings()
         self._period: Period | None = None
 
     def step(self, now: float, inbox: Sequence[Event]) -> Step:
@@ -192,6 +194,8 @@ class ShipAgent:
         return judging(self._rulesets, Law(period.own.ruleset))
 
     def _judge(self, period: Period) -> list[Message]:
+        period.reports, period.saw = self._sightings.believed(period.began, period.reports)
+        period.silent = silent(period.reports.values())
         period.situation = situation = self._situation(period)
         period.judged = assign_by_law(self._rulesets, situation, self.ship.id)
         self._kept_starboard = situation.on_starboard_side(self._own_ruleset(period).vocabulary)
@@ -199,9 +203,7 @@ class ShipAgent:
         return [Verdicts(self.ship.id, period.index, period.judged)]
 
     def _may_settle(self, now: float, period: Period) -> bool:
-        return (
-            period.heard.keys() >= period.reports.keys() or now >= period.began + self._settings.timers.settle
-        )
+        return period.heard.keys() >= period.talking or now >= period.began + self._settings.timers.settle
 
     def _settle(self, now: float, period: Period) -> list[Message]:
         masses = {ship: report.ship.mass for ship, report in period.reports.items()}
@@ -209,7 +211,7 @@ class ShipAgent:
         situation = period.situation or self._situation(period)
         settlements = []
         for mine in period.judged:
-            theirs = self._heard_on_me(period, mine)
+            theirs = self._heard_on_me(period, situation, mine)
             pair, encounter = remembered(situation, mine, theirs)
             if encounter is NO_ENCOUNTER:
                 self._encounters.pop(pair, None)
@@ -223,7 +225,11 @@ class ShipAgent:
         period.bearings = {ship: graph.bearing(self.ship.id, ship) for ship in period.reports}
         self._check_promises(period)
         edges = [
-            each.edge for each in settlements if each.edge is not None and each.edge.then == self.ship.id
+            each.edge
+            for each in settlements
+            if each.edge is not None
+            and each.edge.then == self.ship.id
+            and each.edge.first not in period.silent  # whose word would never come
         ]
         period.waits_for = {edge.first for edge in edges}
         ruleset = self._own_ruleset(period)
@@ -251,8 +257,13 @@ class ShipAgent:
             del self._last_heard[other]
             self._encounters.pop((min(self.ship.id, other), max(self.ship.id, other)), None)
 
-    def _heard_on_me(self, period: Period, mine: Verdict) -> Verdict:
-        """The other ship's verdict on this one; one that did not come decides nothing."""
+    def _heard_on_me(self, period: Period, situation: Situation, mine: Verdict) -> Verdict:
+        """The other ship's verdict on this one; one that did not come decides nothing.
+
+        A ship that does not cooperate tells none: what its ruleset expects of it is judged for it.
+        """
+        if mine.other in period.silent:
+            return judged_by_law(self._rulesets, situation, mine.other, self.ship.id)
         for verdict in period.heard.get(mine.other, ()):
             if verdict.other == self.ship.id and verdict.own == mine.other:
                 return verdict
@@ -411,6 +422,7 @@ class ShipAgent:
             fallback=fallback,
             update_ms=tuple(1000.0 * seconds for seconds in negotiation.seconds),
             residuals=negotiation.residuals,
+            saw=period.saw,
         )
         wake_at = now + self._settings.timers.resend
         return Step(outbox=tuple(outbox), wake_at=wake_at, decision=decision)
@@ -422,7 +434,7 @@ class ShipAgent:
             return Step(outbox=tuple(outbox), wake_at=period.began + timers.listen)
         if period.phase is Phase.SETTLING:
             return Step(outbox=tuple(outbox), wake_at=period.began + timers.settle)
-        if period.decided >= period.reports.keys() or now >= period.began + timers.deadline:
+        if period.decided >= period.talking or now >= period.began + timers.deadline:
             return Step(outbox=tuple(outbox))
         if now >= period.resent + timers.resend and period.negotiation is not None:
             period.resent = now

@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from ..controllers import TRACKED
 from ..frames import FloatArray, NedPose, PathFrame
 from ..priority import Settlement
 from ..roles import Geometry, PassingSide
@@ -108,7 +109,10 @@ def _encounter(begin: int, first: Settlement, end: int) -> Encounter:
 def judge(
     encounter: Encounter, scenario: Scenario, frames: Sequence[Frame], lines: Mapping[ShipId, PathFrame]
 ) -> Judgement:
-    """Judge one encounter by the definitions of risky, calm and faithful (contract)."""
+    """Judge one encounter by the definitions of risky, calm and faithful (contract).
+
+    Beside a tracked ship, which is asked nothing, nobody's faithfulness is judged.
+    """
     plans = {plan.ship.id: plan for plan in scenario.ships}
     now = frames[encounter.begin]
     one, other = (
@@ -119,7 +123,8 @@ def judge(
         raise ValueError(f"{encounter.ships} were not under way together at frame {encounter.begin}")
     risky = left_alone.clearance <= RISKY_WITHIN
     faithful = None
-    if risky and len(plans) == 2 and encounter.kind in (Kind.GIVE_WAY, Kind.MUTUAL):
+    asked = all(plans[id_].control.by != TRACKED for id_ in encounter.ships)
+    if asked and risky and len(plans) == 2 and encounter.kind in (Kind.GIVE_WAY, Kind.MUTUAL):
         faithful = _faithful(encounter, plans, frames, lines, left_alone)
     return Judgement(risky=risky, calm=left_alone.clearance > CALM_BEYOND, faithful=faithful)
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from ..frames import NedPose, NedTrajectory
 from ..priority import Opening, Settlement
 from ..ships import ShipId
+from ..surge_yaw import Motion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,8 +30,10 @@ class ShipFrame:
     plan: NedTrajectory  # its intention, (N + 1, 3), first row: now
     outcome: str  # sentence of the worst solver outcome of this period; "" where nothing was solved
     fallback: str  # why the command is not the solver's; "" where it is
-    update_ms: tuple[float, ...]  # wall time of each NADMM update [ms]
+    update_ms: tuple[float, ...]  # wall time of each NADMM update, or of what else the ship computed [ms]
     residuals: tuple[float, ...]  # max |broadcast - local| position after each NADMM update [m]
+    motion: Motion | None = None  # commanded now, of a ship that is steered by surge speed and yaw rate
+    saw: tuple[str, ...] = ()  # what it found wrong with reports of ships that do not cooperate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..controllers import TRACKED
 from ..frames import FloatArray, NedPose, NedTrajectory, PathFrame
 from ..priority import Opening, PriorityGraph
 from ..ships import Ship, ShipId
@@ -22,6 +23,7 @@ from ..waterway import guiding_line
 from .conduct import Encounter, Judgement, encounters, judge
 from .frame import Frame
 from .hulls import Meeting, is_grounded, meetings, obstacles_struck, states, track, under_way
+from .remarks import remark_entry, remarks
 from .scenario import Scenario
 
 SCHEMA: Final = "ccas/summary@1"
@@ -98,6 +100,7 @@ def ship_metrics(
     metrics = {}
     for plan in scenario.ships:
         id_ = plan.ship.id
+        asked = plan.control.by != TRACKED  # whoever is not asked is not frozen either
         own = np.array([each == id_ for _, each, _ in rows], dtype=np.bool_)
         sailed = list(states(frames, id_))
         delay = None
@@ -110,7 +113,7 @@ def ship_metrics(
             max_offset_change=max((abs(ship.offset) for ship in sailed), default=0.0),
             min_speed_factor=min((ship.speed_factor for ship in sailed), default=1.0),
             delay=delay,
-            frozen=delay is None or delay > FROZEN_AFTER * scenario.time_step,
+            frozen=asked and (delay is None or delay > FROZEN_AFTER * scenario.time_step),
         )
     return metrics
 
@@ -169,6 +172,7 @@ def summary(scenario: Scenario, frames: Sequence[Frame], solver: str) -> dict[st
         ],
         "ruleset_switches": list(_switches(frames)),
         "deadlocks": [_deadlock_entry(each) for each in deadlocks(frames, masses)],
+        "remarks": [remark_entry(each) for each in remarks(frames)],
         "update_ms": _update_ms(frames),
     }
     return {key: plain(value) for key, value in found.items()}

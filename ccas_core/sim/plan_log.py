@@ -18,7 +18,10 @@ _DIGITS: Final = 1  # decimals of a position [m] and of a time [s]
 
 
 def plans(frame: Frame, time_step: float) -> dict[str, object]:
-    """Tell the plans of a frame as a line of `plans.jsonl`; `why`: a command is not the solver's.
+    """Tell the plans of a frame as a line of `plans.jsonl`.
+
+    `why` says why a command is not the solver's, `saw` what was wrong with reports of ships that do not
+    cooperate.
 
     Parameters
     ----------
@@ -40,7 +43,8 @@ def _plan(ship: ShipFrame, time_step: float) -> dict[str, object]:
         "east_m": [_rounded(ship.plan.poses[step, 1]) for step in kept],
         "north_m": [_rounded(ship.plan.poses[step, 0]) for step in kept],
     }
-    return {**told, "why": ship.fallback} if ship.fallback else told
+    more = {"why": ship.fallback, "saw": list(ship.saw)}
+    return {**told, **{key: said for key, said in more.items() if said}}
 
 
 def _rounded(value: float) -> float:

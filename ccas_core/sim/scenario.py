@@ -7,10 +7,13 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from ..agent.events import Conduct
+from ..controllers import Control
 from ..dmpc.parameters import RiskShape, Start, Wait
 from ..frames import NedPose
 from ..ships import Ship
+from ..surge_yaw import Manoeuvrability
 from ..waterway import Leg, Waters
+from .given_track import GivenTrack
 
 
 class Profile(StrEnum):
@@ -31,6 +34,9 @@ class Plan:
     speed: float  # nominal, U^d [m/s]
     conduct: Conduct = Conduct.DUTIFUL
     rulesets: tuple[str, ...] = ()  # aboard, as ID or ID@VERSION; none: all that there are
+    control: Control = field(default_factory=Control)
+    limits: Manoeuvrability | None = None  # of a ship under a controller; None: usual ones for its length
+    track: GivenTrack | None = None  # of a tracked ship; None: on beside its guiding line at its speed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Final, TypeAlias
+from typing import Final
 
 from ..agent.events import Conduct
+from ..controllers import AbstractController
 from ..dmpc.parameters import PARAMETERS
 from ..frames import FloatArray
 from ..quantities import ANGLE, LENGTH, MASS, NUMBER, QUANTITY_OF, SPEED, TIME
@@ -17,26 +18,31 @@ from ..yaml_nodes import written
 from .scenario import Plan, Scenario
 from .scenario_facts import write_facts
 from .scenario_file import SCHEMA, full_circle
+from .scenario_steering import Tree, current_tree, steering_tree
 
 _WIDTH: Final = 100  # of a line that is written
-_Tree: TypeAlias = "str | Mapping[str, _Tree] | Sequence[_Tree]"  # leaves are YAML already
 
 
-def dump_scenario(scenario: Scenario, vocabulary: Vocabulary = VOCABULARY) -> str:
+def dump_scenario(
+    scenario: Scenario,
+    vocabulary: Vocabulary = VOCABULARY,
+    controllers: Mapping[str, AbstractController] | None = None,
+) -> str:
     """Write a scenario as resolved: read back, it gives the same voyage.
 
     What came from a file comes back bit for bit; other numbers keep twelve digits.  Positions
-    are [east, north], whatever they were.  Facts of plugins need the vocabulary that has them.
+    are [east, north], whatever they were.  Facts of plugins need the vocabulary that has them, and
+    options of controllers the controllers.
     """
     control = scenario.control
     chosen = {"wait": control.wait, "risk_shape": control.risk_shape}
-    tree: dict[str, _Tree] = {
+    tree: dict[str, Tree] = {
         "schema": SCHEMA,
         "name": written(scenario.name),
         **{key: written(text) for key in ("title", "description") if (text := getattr(scenario, key))},
         "time": {"step": TIME.write(scenario.time_step), "duration": TIME.write(scenario.duration)},
         "waters": _waters_tree(scenario.waters, vocabulary),
-        "ships": [_plan_tree(plan, vocabulary) for plan in scenario.ships],
+        "ships": [_plan_tree(plan, vocabulary, controllers or {}) for plan in scenario.ships],
         "control": {
             "horizon": str(control.horizon),
             "iterations": str(control.iterations),
@@ -58,8 +64,8 @@ def dump_scenario(scenario: Scenario, vocabulary: Vocabulary = VOCABULARY) -> st
     return "\n".join(_lines(tree)) + "\n"
 
 
-def _waters_tree(waters: Waters, vocabulary: Vocabulary) -> dict[str, _Tree]:
-    tree: dict[str, _Tree] = {"ruleset": written(waters.ruleset)} if waters.ruleset else {}
+def _waters_tree(waters: Waters, vocabulary: Vocabulary) -> dict[str, Tree]:
+    tree: dict[str, Tree] = {"ruleset": written(waters.ruleset)} if waters.ruleset else {}
     if waters.regions:
         tree["regions"] = [
             {
@@ -88,10 +94,12 @@ def _waters_tree(waters: Waters, vocabulary: Vocabulary) -> dict[str, _Tree]:
             {"id": written(each.id), "at": _position(each.x, each.y), "radius": LENGTH.write(each.radius)}
             for each in waters.obstacles
         ]
-    return tree
+    return {**tree, **current_tree(waters.current)}
 
 
-def _plan_tree(plan: Plan, vocabulary: Vocabulary) -> dict[str, _Tree]:
+def _plan_tree(
+    plan: Plan, vocabulary: Vocabulary, controllers: Mapping[str, AbstractController]
+) -> dict[str, Tree]:
     hull = plan.ship.hull
     usual = Hull(length=hull.length, beam=hull.beam)
     safety = {
@@ -115,22 +123,23 @@ def _plan_tree(plan: Plan, vocabulary: Vocabulary) -> dict[str, _Tree]:
         **_facts_tree(plan.ship.facts, Scope.SHIP, vocabulary),
         **({"rulesets": [written(each) for each in plan.rulesets]} if plan.rulesets else {}),
         **({"conduct": plan.conduct} if plan.conduct is not Conduct.DUTIFUL else {}),
+        **steering_tree(plan, controllers),
     }
 
 
-def _facts_tree(facts: Facts, scope: Scope, vocabulary: Vocabulary) -> dict[str, _Tree]:
+def _facts_tree(facts: Facts, scope: Scope, vocabulary: Vocabulary) -> dict[str, Tree]:
     return {"facts": write_facts(facts, scope, vocabulary)} if facts else {}
 
 
-def _points(points: FloatArray) -> list[_Tree]:
+def _points(points: FloatArray) -> list[Tree]:
     return [_position(north, east) for north, east in points]
 
 
-def _position(north: float, east: float) -> list[_Tree]:
+def _position(north: float, east: float) -> list[Tree]:
     return [NUMBER.write(east), NUMBER.write(north)]
 
 
-def _lines(tree: Mapping[str, _Tree] | Sequence[_Tree], width: int = _WIDTH) -> Iterator[str]:
+def _lines(tree: Mapping[str, Tree] | Sequence[Tree], width: int = _WIDTH) -> Iterator[str]:
     """Lines in block style; what fits on a line is in flow style."""
     pairs = tree.items() if isinstance(tree, Mapping) else (("-", each) for each in tree)
     for key, value in pairs:
@@ -147,7 +156,7 @@ def _lines(tree: Mapping[str, _Tree] | Sequence[_Tree], width: int = _WIDTH) -> 
             yield from ("  " + line for line in _lines(value, width - 2))
 
 
-def _flow(tree: _Tree) -> str:
+def _flow(tree: Tree) -> str:
     if isinstance(tree, str):
         return tree
     if isinstance(tree, Mapping):

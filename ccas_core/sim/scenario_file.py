@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from ..agent.events import Conduct
+from ..controllers import COOPERATIVE, TRACKED, AbstractController
 from ..dmpc.parameters import PARAMETERS, RiskShape, Start, Wait
 from ..errors import ScenarioError
 from ..findings import read_text
@@ -29,6 +30,7 @@ from .plane import Plane, Point
 from .scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
 from .scenario_facts import read_facts
 from .scenario_regions import read_carried, read_hysteresis, read_law, read_region, refuse_together
+from .scenario_steering import Shape, domain_of, read_control, read_current, read_limits, read_track
 
 SCHEMA: Final = "ccas/scenario@1"
 
@@ -48,6 +50,8 @@ class _Known:
     rulesets: Collection[str] | None
     regions: Mapping[str, Region]
     vocabulary: Vocabulary
+    controllers: Mapping[str, AbstractController] | None
+    folder: Path  # where tables that a scenario names are looked for
 
 
 def load_scenario(
@@ -56,6 +60,7 @@ def load_scenario(
     *,
     regions: Mapping[str, Region] | None = None,
     vocabulary: Vocabulary = VOCABULARY,
+    controllers: Mapping[str, AbstractController] | None = None,
 ) -> Scenario:
     """Read a scenario file.
 
@@ -69,6 +74,8 @@ def load_scenario(
         Regions of plugins, which a scenario may name.
     vocabulary
         Facts that ships and waterways may state.
+    controllers
+        Controllers of plugins, which ships may name; None: not checked, and without options.
 
     Raises
     ------
@@ -76,7 +83,9 @@ def load_scenario(
         With all that is wrong, each with its place.
     """
     text = read_text(path, ScenarioError)
-    return parse_scenario(text, str(path), rulesets, regions=regions, vocabulary=vocabulary)
+    return parse_scenario(
+        text, str(path), rulesets, regions=regions, vocabulary=vocabulary, controllers=controllers
+    )
 
 
 def parse_scenario(
@@ -86,12 +95,19 @@ def parse_scenario(
     *,
     regions: Mapping[str, Region] | None = None,
     vocabulary: Vocabulary = VOCABULARY,
+    controllers: Mapping[str, AbstractController] | None = None,
 ) -> Scenario:
     """Read the text of a scenario file; `source` is what findings call it.  See `load_scenario`."""
     reader = Reader(text, source, ScenarioError)
     root = reader.document(SCHEMA)
     plane = Plane(reader)
-    known = _Known(rulesets=rulesets, regions=regions or {}, vocabulary=vocabulary)
+    known = _Known(
+        rulesets=rulesets,
+        regions=regions or {},
+        vocabulary=vocabulary,
+        controllers=controllers,
+        folder=Path(source).parent,
+    )
     title, description = root.find("title"), root.find("description")
     time_step, duration = _time(reader, root.require("time"))
     waters, waterways = _waters(reader, root.require("waters"), plane, known)
@@ -136,6 +152,7 @@ def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Wa
     ]
     hysteresis = read_hysteresis(reader, block.find("hysteresis"))
     obstacles = [_obstacle(reader, each, plane, ids[2]) for each in reader.items(block.find("obstacles"))]
+    current = read_current(reader, block.find("current"))
     drawn = [each for each in regions if each]
     waters = Waters(
         ruleset=ruleset,
@@ -143,6 +160,7 @@ def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Wa
         regions=tuple(each.region for each in drawn),
         obstacles=tuple(each for each in obstacles if each),
         hysteresis=hysteresis,
+        current=current,
     )
     if block.done() and drawn:
         refuse_together(reader, block, waters, drawn)
@@ -219,11 +237,30 @@ def _plan(
     facts = read_facts(reader, block.find("facts"), Scope.SHIP, known.vocabulary)
     conduct = reader.choice(block.optional("conduct", "dutiful"), Conduct)
     carried = read_carried(reader, block.find("rulesets"), known.rulesets)
+    control = read_control(reader, block.optional("control", "cooperative"), known.controllers)
+    shape = reader.choice(block.optional("domain", "rectangle"), Shape)
+    limits = read_limits(reader, block.find("manoeuvring"), size["length"], speed)
+    track = read_track(reader, block.find("track"), plane, known.folder)
+    for key, whose in (("track", TRACKED), ("conduct", COOPERATIVE)):
+        if control.by and control.by != whose and (stated := block.find(key)) is not None:
+            reader.refuse(stated, f"only a {whose} ship has a {key}", hint="remove it, or change 'control'")
     if not block.done() or (line := _line(reader, legs, route, waters)) is None:
         return None
     start = _start(reader, at, NedPose(north, east, 0.0), course, line, waters.waterway(route[0].waterway))
-    ship = Ship(id=ShipId(id_), hull=Hull(**size), mass=mass, facts=facts)
-    return Plan(ship=ship, route=route, start=start, speed=speed, conduct=conduct, rulesets=carried)
+    hull = Hull(**size)
+    domain = domain_of(shape, hull, limits.max_speed if limits else speed)
+    ship = Ship(id=ShipId(id_), hull=hull, mass=mass, facts=facts, stated_domain=domain)
+    return Plan(
+        ship=ship,
+        route=route,
+        start=start,
+        speed=speed,
+        conduct=conduct,
+        rulesets=carried,
+        control=control,
+        limits=limits,
+        track=track,
+    )
 
 
 def _leg(reader: Reader, node: Node, known: Collection[str]) -> Leg:

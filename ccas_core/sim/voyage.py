@@ -4,44 +4,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from ..agent.bus import Bus
-from ..agent.events import AgentSettings, Decision, Sensed
+from ..agent.events import AgentSettings, Decision
 from ..agent.period import PeriodLog, run_period
 from ..agent.reach import FORESIGHT, neighbours, reach, separation
-from ..agent.ship_agent import ShipAgent
+from ..controllers import COOPERATIVE, AbstractController
 from ..dmpc.parameters import FAITHFUL, PROFILES, Settings, with_parameter
 from ..dmpc.solvers import AbstractLocalSolver
-from ..frames import NedTrajectory, PathPose, frozen_array
+from ..frames import NedTrajectory, frozen_array
 from ..priority import Opening, Settlement
 from ..roles import Geometry
 from ..ships import ShipId
-from ..tapd.aboard import aboard
 from ..tapd.ruleset import AbstractRuleset
-from ..waterway import GuidingLine, guiding_line
+from ..waterway import guiding_line
 from .frame import Frame, ShipFrame
-from .guidance import Command, held
-from .scenario import ControlChoice, Plan, Profile, Scenario
-from .vessel import AbstractVessel, KinematicVessel
+from .guidance import Command
+from .scenario import ControlChoice, Profile, Scenario
+from .under_way import UnderWay, command_of, launched, moved
+from .vessel import KinematicVessel
 
 PERIODS_ALLOWED = 21  # a run ends so many periods after each ship's undisturbed arrival
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _UnderWay:
-    """One ship of the simulation between two periods."""
-
-    plan: Plan
-    line: GuidingLine
-    pose: PathPose
-    speed: float  # over ground in the last period [m/s]
-    agent: ShipAgent
-
-
 def voyage(
-    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver
+    scenario: Scenario,
+    rulesets: Mapping[str, AbstractRuleset],
+    solver: AbstractLocalSolver,
+    controllers: Mapping[str, AbstractController] | None = None,
 ) -> Iterator[Frame]:
     """Sail a scenario, a frame a control period.
 
@@ -56,10 +50,20 @@ def voyage(
         By id; all that the waters and the ships name are needed.
     solver
         Of the local problems.
+    controllers
+        Of plugins, by name; all that ships are steered by are needed.
+
+    Raises
+    ------
+    ScenarioError
+        If a ship is to be steered by a controller that is not there.
     """
     settings = agent_settings(scenario)
     vessel = KinematicVessel(next(iter(settings.profiles.values())).kinematics)
-    ships = {plan.ship.id: _launched(scenario, plan, rulesets, settings) for plan in scenario.ships}
+    ships = {
+        plan.ship.id: launched(scenario, plan, rulesets, settings, controllers or {})
+        for plan in scenario.ships
+    }
     apart = separation(settings.profiles.values(), [plan.ship.hull for plan in scenario.ships])
     ahead = max(FORESIGHT, scenario.time_step * scenario.control.horizon)
     bus = Bus(loss=scenario.bus.loss, delay=scenario.bus.delay, seed=scenario.bus.seed)
@@ -68,37 +72,26 @@ def voyage(
     index = 0
     while True:
         time = index * scenario.time_step
-        finished = {id_ for id_, ship in ships.items() if ship.pose.x >= ship.line.frame.length}
-        under_way = {id_: ship for id_, ship in ships.items() if id_ not in finished}
-        sensed = {
-            id_: Sensed(index, ship.line.frame.to_ned(ship.pose), ship.speed)
-            for id_, ship in under_way.items()
-        }
+        ships = {id_: ship for id_, ship in ships.items() if not ship.is_gone(time)}
+        under_way = {id_: ship for id_, ship in ships.items() if not ship.is_over}
+        sensed = {id_: ship.sensed(index, time) for id_, ship in under_way.items()}
         agents = {id_: ship.agent for id_, ship in under_way.items()}
         reaches = {
             id_: reach(ship.line, ship.pose.x, ship.plan.speed, ahead) for id_, ship in under_way.items()
         }
         log = run_period(agents, bus, solver, sensed, time, neighbours(reaches, apart))
-        commands = {
-            id_: held(
-                Command(decision.offset, decision.speed_factor),
-                ships[id_].line,
-                ships[id_].pose.x,
-                ships[id_].plan.ship.hull.beam,
-            )
-            for id_, decision in log.decisions.items()
-        }
+        commands = {id_: command_of(ships[id_], decision) for id_, decision in log.decisions.items()}
         yield _frame(index, time, ships, commands, log, arrived)
         if index >= limit or not (under_way or time < scenario.duration):
             return
-        moved = {}
+        sailed = {}
         for id_, ship in under_way.items():
-            moved[id_] = _moved(ship, commands[id_], vessel, scenario.time_step)
-            end = ship.line.frame.length
-            if moved[id_].pose.x >= end:
-                share = (end - ship.pose.x) / (moved[id_].pose.x - ship.pose.x)
+            motion = log.decisions[id_].motion
+            sailed[id_] = moved(ship, commands[id_], motion, vessel, scenario, time)
+            if sailed[id_].is_over:
+                share = (ship.line.frame.length - ship.pose.x) / (sailed[id_].pose.x - ship.pose.x)
                 arrived[id_] = time + share * scenario.time_step
-        ships = moved
+        ships = sailed
         index += 1
 
 
@@ -147,26 +140,10 @@ def periods_limit(scenario: Scenario) -> int:
     return max(slowest, math.ceil(scenario.duration / scenario.time_step))
 
 
-def _launched(
-    scenario: Scenario, plan: Plan, rulesets: Mapping[str, AbstractRuleset], settings: AgentSettings
-) -> _UnderWay:
-    line = guiding_line(scenario.waters, plan.route)
-    own = replace(settings, conduct=plan.conduct)
-    carried = aboard(rulesets, plan.rulesets)
-    agent = ShipAgent(plan.ship, line, plan.speed, scenario.waters, carried, own)
-    return _UnderWay(plan=plan, line=line, pose=line.frame.to_path(plan.start), speed=plan.speed, agent=agent)
-
-
-def _moved(ship: _UnderWay, command: Command, vessel: AbstractVessel, time_step: float) -> _UnderWay:
-    pose = vessel.advance(ship.pose, command, ship.plan.speed)
-    sailed = math.hypot(pose.x - ship.pose.x, pose.y - ship.pose.y)
-    return replace(ship, pose=pose, speed=sailed / time_step)
-
-
 def _frame(
     index: int,
     time: float,
-    ships: Mapping[ShipId, _UnderWay],
+    ships: Mapping[ShipId, UnderWay],
     commands: Mapping[ShipId, Command],
     log: PeriodLog,
     arrived: Mapping[ShipId, float],
@@ -194,12 +171,12 @@ def _frame(
     )
 
 
-def _ship_frame(ship: _UnderWay, command: Command | None, decision: Decision | None) -> ShipFrame:
+def _ship_frame(ship: UnderWay, command: Command | None, decision: Decision | None) -> ShipFrame:
     """Frame of a ship; one that has just arrived has no decision, and sails on as it is."""
     frame = ship.line.frame
     pose = frame.to_ned(ship.pose)
+    here = NedTrajectory(frozen_array([[pose.x, pose.y, pose.course]]))
     if command is None or decision is None:
-        here = NedTrajectory(frozen_array([[pose.x, pose.y, pose.course]]))
         return ShipFrame(
             pose=pose,
             path_x=ship.pose.x,
@@ -218,13 +195,15 @@ def _ship_frame(ship: _UnderWay, command: Command | None, decision: Decision | N
         pose=pose,
         path_x=ship.pose.x,
         path_y=ship.pose.y,
-        speed=command.speed_factor * ship.plan.speed,
+        speed=command.speed_factor * ship.plan.speed if ship.plan.control.by == COOPERATIVE else ship.speed,
         offset=command.offset,
         speed_factor=command.speed_factor,
         ruleset=decision.ruleset,
-        plan=decision.plan,
+        plan=decision.plan if np.isfinite(decision.plan.poses).all() else here,  # a report may fail
         outcome=decision.outcome,
         fallback=decision.fallback,
         update_ms=decision.update_ms,
         residuals=decision.residuals,
+        motion=decision.motion,
+        saw=decision.saw,
     )

@@ -150,7 +150,11 @@ def read_scenario(name: str, plugins: Plugins, ruleset: str | None = None) -> Sc
 
     chosen = None if ruleset is None else plugins.ruleset(ruleset)  # before the file, for it may name it
     scenario = load_scenario(
-        scenario_file(name), plugins.rulesets, regions=plugins.regions, vocabulary=plugins.vocabulary
+        scenario_file(name),
+        plugins.rulesets,
+        regions=plugins.regions,
+        vocabulary=plugins.vocabulary,
+        controllers=plugins.controllers,
     )
     if chosen is None:
         return scenario

@@ -20,6 +20,7 @@ _OFFERS: Final = {  # hook: what `ccas plugins` calls its offers
     "ccas_pair_rules": "rules",
     "ccas_criteria": "criteria",
     "ccas_regions": "regions",
+    "ccas_controllers": "controllers",
 }
 
 

@@ -98,10 +98,11 @@ def sail(
     watch = watcher or Silence()
     frames: list[Frame] = []
     lookout = _Lookout(plugins)
-    with RunWriter(folder, scenario, dump_scenario(scenario, plugins.vocabulary)) as writer:
+    text = dump_scenario(scenario, plugins.vocabulary, plugins.controllers)
+    with RunWriter(folder, scenario, text) as writer:
         with _ctrl_c(watch) as stop:
             try:
-                for frame in voyage(scenario, plugins.rulesets, solver):
+                for frame in voyage(scenario, plugins.rulesets, solver, plugins.controllers):
                     writer.write(frame)
                     for failure in lookout.failures(frames[-1] if frames else None, frame):
                         watch.failed(failure)

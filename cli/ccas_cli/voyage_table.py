@@ -74,6 +74,11 @@ def _lines(summary: Mapping[str, Any]) -> Iterable[str]:
         yield f"{each['ship']} went from {each['from']} to {each['to']} at {each['time_s']:.0f} s"
     for each in summary["deadlocks"]:
         yield f"{_listed(each['ships'])} waited for one another at {each['time_s']:.0f} s; opened"
+    for each in summary["remarks"]:
+        times = f"{each['first_s']:.0f} s"
+        if each["count"] > 1:
+            times += f" to {each['last_s']:.0f} s, {each['count']} times"
+        yield f"{each['ship']} says: {each['text']} ({times})"
 
 
 def _number(value: float | None, digits: str, unit: str = "") -> str:

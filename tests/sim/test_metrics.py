@@ -61,6 +61,7 @@ KEYS = {
     "encounters",
     "ruleset_switches",
     "deadlocks",
+    "remarks",
     "update_ms",
 }
 SHIP_KEYS = {
