@@ -12,12 +12,10 @@ import numpy as np
 
 from ccas_core.controllers import AbstractController, Outlook, Steering
 from ccas_core.frames import FloatArray
-from ccas_core.roles import Geometry
 
 from . import local
-from .encounters import NOTHING
-from .options import OPTIONS, is_on, number
-from .watch import looks, watched
+from .options import OPTIONS, number
+from .watch import Seen, looks, watched
 
 if TYPE_CHECKING:
     from .problem import Programme
@@ -31,7 +29,7 @@ class Memory:
     """What the controller carries from one period to the next."""
 
     increments: FloatArray  # of the last plan, (N, 2)
-    alarmed: frozenset[str]  # ships that failed to give way
+    seen: Seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,19 +63,19 @@ class BumperController(AbstractController):
         """Solve the optimisation of one step, from the last plan, and from others where that does not do."""
         began = time.perf_counter()
         known = memory if isinstance(memory, Memory) else None
-        stated, alarmed = _stated(outlook, known)
+        stated, seen = _stated(outlook, known)
         found = _solved(stated, known)
         motions, poses = local.rolled_out(outlook, found.increments)
         return Steering(
             motion=motions[0],
             plan=local.trajectory(poses),
-            memory=Memory(found.increments, alarmed),
+            memory=Memory(found.increments, seen),
             outcome=_outcome(found, outlook),
             seconds=time.perf_counter() - began,
         )
 
 
-def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, frozenset[str]]:
+def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, Seen]:
     from .problem import KINDS, Shape, programme
 
     horizon = round(number(outlook.options, "horizon"))
@@ -85,37 +83,32 @@ def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, frozenset
     state = local.initial(outlook, reference)
     velocity = outlook.motion.surge * np.array([math.cos(outlook.pose.course), math.sin(outlook.pose.course)])
     velocity += np.array([outlook.waters.current.north, outlook.waters.current.east])
-    targets, alarmed = watched(outlook, velocity, memory.alarmed if memory else frozenset(), horizon)
-    if not is_on(outlook.options, "rules"):
-        targets = [(target, NOTHING) for target, _ in targets]
-    obstacles = outlook.waters.obstacles
+    seen = watched(outlook, velocity, memory.seen if memory else Seen(), horizon)
     shape = Shape(
         horizon=horizon,
-        looks=looks(outlook, targets),
+        looks=looks(outlook, seen.targets),
         own=type(outlook.domain),
-        targets=tuple(type(target.domain) for target, _ in targets),
-        obstacles=len(obstacles),
+        targets=tuple(type(target.domain) for target in seen.targets),
+        obstacles=len(seen.obstacles),
+        ruled=len(seen.rules),
         solver=str(outlook.options.get("solver", OPTIONS["solver"].default)),
     )
-    crosses = any(target.bearing.geometry is Geometry.CROSSING for target, _ in targets)
-    low, high = local.bounds(outlook, reference, state, may_stop=crosses)
-    fixed = [*reference.current, outlook.period, outlook.hull.length, outlook.speed, reference.surge]
+    fastest = reference.surge if seen.goes_aside(outlook) else outlook.limits.max_speed
+    low, high = local.bounds(outlook, reference, state, may_stop=seen.crosses, fastest=fastest)
+    surge = seen.surge(outlook, reference.surge)
+    sizes = {each: local.sizes_of(each.domain, KINDS[type(each.domain)]) for each in seen.targets}
     parameters = np.concatenate(
         [
-            fixed,
+            [*reference.current, outlook.period, outlook.hull.length, outlook.speed, surge],
             state,
             local.sizes_of(outlook.domain, KINDS[type(outlook.domain)]),
             reference.stages.ravel(),
-            *(
-                local.target_row(
-                    reference, target, local.sizes_of(target.domain, KINDS[type(target.domain)]), rule
-                )
-                for target, rule in targets
-            ),
-            *(local.obstacle_row(reference, each) for each in obstacles),
+            *(local.target_row(reference, target, sizes[target]) for target in seen.targets),
+            *(local.obstacle_row(reference, each) for each in seen.obstacles),
+            *(local.rule_row(reference, rule) for rule in seen.rules),
         ]
     )
-    return _Stated(outlook, reference, programme(shape), state, parameters, low, high), alarmed
+    return _Stated(outlook, reference, programme(shape), state, parameters, low, high), seen
 
 
 def _solved(stated: _Stated, memory: Memory | None) -> _Found:

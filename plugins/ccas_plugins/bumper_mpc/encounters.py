@@ -14,9 +14,10 @@ import numpy as np
 
 from ccas_core.controllers import Outlook, Target
 from ccas_core.domains import AbstractDomain
-from ccas_core.frames import FloatArray
+from ccas_core.frames import FloatArray, NedPose
 from ccas_core.roles import Geometry, PassingSide, Role
 from ccas_core.units import DEGREE
+from ccas_core.waterway import Obstacle
 
 from .options import stated
 
@@ -37,16 +38,20 @@ _SIDES: Final = {  # on which side of the other the own ship passes, seen along 
 _USUAL: Final = {Geometry.HEAD_ON: 1.0, Geometry.OVERTAKING: -1.0}  # where no side is prescribed
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """What the rule term asks towards one target: so far from it in a direction.  Weight 0: nothing."""
+    """A safe distance that is asked for: so far from somebody in a direction."""
 
-    direction: tuple[float, float] = (1.0, 0.0)  # unit vector, north and east
-    distance: float = 0.0  # [m]
-    weight: float = 0.0  # 0 or 1: the binary weight of the encounter that it is
+    geometry: Geometry
+    place: tuple[float, float]  # of whoever it is, north and east [m]
+    velocity: tuple[float, float]  # of the same [m/s]
+    direction: tuple[float, float]  # unit vector, north and east
+    distance: float  # [m]
 
-
-NOTHING: Final = Rule()
+    def lacking(self, pose: NedPose) -> float:
+        """What the distance lacks at a pose, now [m]; negative where there is more than asked for."""
+        north, east = pose.x - self.place[0], pose.y - self.place[1]
+        return self.distance - self.direction[0] * north - self.direction[1] * east
 
 
 def division(
@@ -69,27 +74,105 @@ def division(
     return Geometry.CROSSING if ahead <= BEFORE else Geometry.NONE
 
 
-def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray) -> Rule:
-    """Say what the rule term asks towards a target; `velocity` is the own one over ground, (2,) [m/s]."""
-    own = np.array([outlook.pose.x, outlook.pose.y])
-    other = np.array([target.pose.x, target.pose.y])
+def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray, before: Rule | None) -> Rule | None:
+    """Say what the rule term asks towards a target; None: nothing.
+
+    Parameters
+    ----------
+    velocity
+        Of the own ship over ground, (2,) [m/s].
+    before
+        What was asked in the period before.  It stays until the other's domain is behind, although the
+        encounter may be over for the rules.
+    """
+    if before is not None and before.geometry is not Geometry.CROSSING and _is_beside(outlook, target):
+        return _rule(outlook, target, before.geometry, before.direction)
+    if target.bearing.role not in _OBLIGED or distance_of(outlook, target) > near(outlook, target):
+        return None
     course = target.pose.course
     along = np.array([math.cos(course), math.sin(course)])
+    own, other = (np.array([pose.x, pose.y]) for pose in (outlook.pose, target.pose))
     geometry = target.bearing.geometry
     if geometry is Geometry.NONE:
         geometry = division(own, velocity, other, target.speed * along)
-    if target.bearing.role not in _OBLIGED or geometry is Geometry.NONE:
-        return NOTHING
-    if float(np.hypot(*(other - own))) > near(outlook, target):
-        return NOTHING
-    needed = abeam(outlook.domain, outlook.motion.surge) + abeam(target.domain, target.speed)
-    needed += MARGIN * outlook.hull.length
-    distance = stated(outlook.options, f"{geometry}_distance", needed)
+    if geometry is Geometry.NONE or (
+        geometry is Geometry.CROSSING and _angle(velocity, other - own) > BEFORE
+    ):
+        return None  # not faced: one that is abaft keeps clear of this ship, or has gone by
     if geometry is Geometry.CROSSING:
-        return Rule((-float(along[0]), -float(along[1])), distance, 1.0)
-    side = _SIDES.get(target.bearing.passing_side, _USUAL[geometry])  # type: ignore[arg-type]
-    path = outlook.line.frame.course_at(outlook.line.frame.to_path(outlook.pose).x)
-    return Rule((-side * math.sin(path), side * math.cos(path)), distance, 1.0)
+        return _rule(outlook, target, geometry, (-float(along[0]), -float(along[1])))
+    prescribed = target.bearing.passing_side
+    side = _USUAL[geometry] if prescribed is None else _SIDES.get(prescribed, _USUAL[geometry])
+    path = _path_course(outlook)
+    return _rule(outlook, target, geometry, (-side * math.sin(path), side * math.cos(path)))
+
+
+def _rule(outlook: Outlook, target: Target, geometry: Geometry, direction: tuple[float, float]) -> Rule:
+    course = target.pose.course
+    needed = breadth(outlook, target) + MARGIN * outlook.hull.length
+    return Rule(
+        geometry=geometry,
+        place=(target.pose.x, target.pose.y),
+        velocity=(target.speed * math.cos(course), target.speed * math.sin(course)),
+        direction=direction,
+        distance=stated(outlook.options, f"{geometry}_distance", needed),
+    )
+
+
+def _is_beside(outlook: Outlook, target: Target) -> bool:
+    """Whether a ship that returned to its path now would come into the other's domain."""
+    path = _path_course(outlook)
+    north, east = target.pose.x - outlook.pose.x, target.pose.y - outlook.pose.y
+    along = north * math.cos(path) + east * math.sin(path)
+    turn = target.pose.course - path
+    ahead = math.copysign(1.0, along)
+    own = float(outlook.domain.extent(ahead, 0.0, outlook.motion.surge))
+    other = float(target.domain.extent(-ahead * math.cos(turn), ahead * math.sin(turn), target.speed))
+    return abs(along) < own + other + MARGIN * outlook.hull.length
+
+
+def rule_round(outlook: Outlook, obstacle: Obstacle) -> Rule | None:
+    """Say how to go round a static obstacle near the path: on the side that is the shorter way; None: not."""
+    frame = outlook.line.frame
+    own, there = (frame.to_path(each) for each in (outlook.pose, NedPose(obstacle.x, obstacle.y, 0.0)))
+    distance = abeam(outlook.domain, outlook.motion.surge) + obstacle.radius + MARGIN * outlook.hull.length
+    reach = float(outlook.domain.extent(1.0, 0.0, outlook.limits.max_speed)) + obstacle.radius
+    behind = abeam(outlook.domain, outlook.motion.surge) + obstacle.radius
+    if abs(there.y) >= distance or not -behind < there.x - own.x < reach + LEAD * outlook.hull.length:
+        return None
+    low, high = outlook.line.room_at(np.array([there.x]), outlook.hull.beam)[0]
+    ways = {1.0: there.y + distance, -1.0: there.y - distance}
+    free = {side: offset for side, offset in ways.items() if low <= offset <= high} or ways
+    side = min(free, key=lambda each: abs(free[each]) - each * 1e-6)
+    path = frame.course_at(there.x)
+    return Rule(
+        geometry=Geometry.NONE,
+        place=(obstacle.x, obstacle.y),
+        velocity=(0.0, 0.0),
+        direction=(-side * math.sin(path), side * math.cos(path)),
+        distance=distance,
+    )
+
+
+def passing_surge(outlook: Outlook, rule: Rule, surge: float) -> float:
+    """Surge speed with which a ship that crosses is behind the other when it comes to its track [m/s].
+
+    `surge` is the usual one, which is the answer where the other is past in time.
+    """
+    speed = math.hypot(*rule.velocity)
+    if rule.geometry is not Geometry.CROSSING or speed <= 0.0:
+        return surge
+    ahead = rule.velocity[0] / speed, rule.velocity[1] / speed
+    path = _path_course(outlook)
+    north, east = outlook.pose.x - rule.place[0], outlook.pose.y - rule.place[1]
+    across = ahead[0] * east - ahead[1] * north
+    approach = ahead[0] * math.sin(path) - ahead[1] * math.cos(path)
+    way = -across / approach if abs(approach) > 1e-3 else 0.0  # along the path to the other's track
+    if way <= 0.0:
+        return surge
+    meeting = ahead[0] * (north + way * math.cos(path)) + ahead[1] * (east + way * math.sin(path))
+    time = (meeting + rule.distance) / speed  # until the other is so far past that place
+    return min(surge, way / time) if time > 0.0 else surge
 
 
 def near(outlook: Outlook, target: Target) -> float:
@@ -101,6 +184,20 @@ def near(outlook: Outlook, target: Target) -> float:
 def abeam(domain: AbstractDomain, speed: float) -> float:
     """Reach of a domain to the side [m]."""
     return float(domain.extent(0.0, 1.0, speed))
+
+
+def breadth(outlook: Outlook, target: Target) -> float:
+    """Lateral distance at which two domains pass each other [m]."""
+    return abeam(outlook.domain, outlook.motion.surge) + abeam(target.domain, target.speed)
+
+
+def distance_of(outlook: Outlook, target: Target) -> float:
+    """Distance of the centres [m]."""
+    return math.hypot(target.pose.x - outlook.pose.x, target.pose.y - outlook.pose.y)
+
+
+def _path_course(outlook: Outlook) -> float:
+    return outlook.line.frame.course_at(outlook.line.frame.to_path(outlook.pose).x)
 
 
 def _angle(one: FloatArray, other: FloatArray) -> float:

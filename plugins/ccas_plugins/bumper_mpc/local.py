@@ -83,36 +83,33 @@ def initial(outlook: Outlook, local: Reference) -> FloatArray:
     return np.array([0.0, 0.0, yaw, outlook.motion.surge, outlook.motion.yaw_rate])
 
 
-def target_row(local: Reference, target: Target, sizes: tuple[float, float], rule: Rule) -> FloatArray:
-    """Row of a target as the programme wants it, (13,)."""
-    place = np.array([[target.pose.x - local.north, target.pose.y - local.east]])
+def target_row(local: Reference, target: Target, sizes: tuple[float, float]) -> FloatArray:
+    """Row of a target as the programme wants it, (9,)."""
     course = target.pose.course - local.turn
     cos, sin = math.cos(course), math.sin(course)
-    direction = turned(np.array([rule.direction]), local.turn)[0]
-    return np.array(
-        [
-            *turned(place, local.turn)[0],
-            target.speed * cos,
-            target.speed * sin,
-            cos,
-            sin,
-            target.speed,
-            *sizes,
-            *direction,
-            rule.distance,
-            rule.weight,
-        ]
-    )
+    velocity = target.speed * cos, target.speed * sin
+    place = _place(local, target.pose.x, target.pose.y)
+    return np.array([*place, *velocity, cos, sin, target.speed, *sizes])
 
 
 def obstacle_row(local: Reference, obstacle: Obstacle) -> FloatArray:
     """Row of an obstacle, (3,)."""
-    place = np.array([[obstacle.x - local.north, obstacle.y - local.east]])
-    return np.array([*turned(place, local.turn)[0], obstacle.radius])
+    return np.array([*_place(local, obstacle.x, obstacle.y), obstacle.radius])
+
+
+def rule_row(local: Reference, rule: Rule) -> FloatArray:
+    """Row of a safe distance that a rule asks for, (8,)."""
+    velocity, direction = turned(np.array([rule.velocity, rule.direction]), local.turn)
+    return np.array([*_place(local, *rule.place), *velocity, *direction, rule.distance, 1.0])
+
+
+def _place(local: Reference, north: float, east: float) -> FloatArray:
+    place: FloatArray = turned(np.array([[north - local.north, east - local.east]]), local.turn)[0]
+    return place
 
 
 def bounds(
-    outlook: Outlook, local: Reference, state: FloatArray, *, may_stop: bool
+    outlook: Outlook, local: Reference, state: FloatArray, *, may_stop: bool, fastest: float
 ) -> tuple[FloatArray, FloatArray]:
     """Bounds by stage, each (N, 8), of the control of k and the state of k + 1 (B2 to B5, B8).
 
@@ -127,7 +124,7 @@ def bounds(
     turn = np.maximum(most, off)
     slowest = 0.0 if may_stop else stated(outlook.options, "min_speed", SLOWEST * outlook.speed)
     least = np.minimum(slowest, np.maximum(state[3], 0.0) + 0.5 * faster * steps)
-    greatest = np.maximum(limits.max_speed, state[3] - 0.5 * faster * steps)
+    greatest = np.maximum(fastest, state[3] - 0.5 * faster * steps)
     rate = np.full(horizon, limits.max_yaw_rate)
     course = local.stages[:, 2]
     change = np.tile([faster, quicker], (horizon, 1))

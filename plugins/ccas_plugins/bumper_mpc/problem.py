@@ -22,7 +22,8 @@ STATES: Final = 5  # x, y [m], yaw angle [rad], surge speed [m/s], yaw rate [rad
 CONTROLS: Final = 3  # increments of surge speed and yaw rate, and how much the constraints are relaxed [m]
 FIXED: Final = 6  # current along and across, time step, length, speed, reference of the surge speed
 STAGE: Final = 6  # reference x, y, course, least and greatest offset, yaw angle from the path
-TARGET: Final = 13  # x, y, velocities, cosine and sine of the course, speed, domain (2), rule (4)
+TARGET: Final = 9  # x, y, velocities, cosine and sine of the course, speed, domain (2)
+RULED: Final = 8  # x, y, velocities of whoever a rule is about; direction (2), distance, weight
 OBSTACLE: Final = 3  # x, y, radius
 DOMAIN: Final = 2
 _TOLERANCE: Final = 1e-5
@@ -34,9 +35,9 @@ PATH: Final = 1.0
 COURSE: Final = 2.0
 SURGE: Final = 8.0
 YAW: Final = 0.5  # of the yaw rate times the time in which the ship sails its length
-SURGE_INCREMENT: Final = 20.0
+SURGE_INCREMENT: Final = 400.0
 YAW_INCREMENT: Final = 2.0
-RULE: Final = 6.0
+RULE: Final = 20.0  # of a safe distance that is short by much, over the ship's length
 RELAXED: Final = (200.0, 2000.0)  # of the relaxation and of its square
 
 KINDS: Final[dict[type[AbstractDomain], tuple[str, str]]] = {  # and what their two parameters are
@@ -55,6 +56,7 @@ class Shape:
     own: type[AbstractDomain]
     targets: tuple[type[AbstractDomain], ...]
     obstacles: int
+    ruled: int  # safe distances that rules ask for
     solver: str
 
 
@@ -75,6 +77,7 @@ def programme(shape: Shape) -> Programme:
     stages = ca.SX.sym("stages", STAGE, shape.horizon)
     targets = ca.SX.sym("targets", TARGET, max(len(shape.targets), 1))
     obstacles = ca.SX.sym("obstacles", OBSTACLE, max(shape.obstacles, 1))
+    ruled = ca.SX.sym("ruled", RULED, max(shape.ruled, 1))
     states = [ca.SX.sym(f"state_{k}", STATES) for k in range(shape.horizon + 1)]
     controls = [ca.SX.sym(f"control_{k}", CONTROLS) for k in range(shape.horizon)]
     domain = _domain(shape.own, own)
@@ -98,15 +101,14 @@ def programme(shape: Shape) -> Programme:
         rows += [each + controls[k][2] for each in kept]
         equal += [0.0] * len(kept)
         value += _stage_cost(after, controls[k], stages[:, k], fixed)
-        value += sum(
-            _rule_cost(after, targets[:, n], (k + 1) * fixed[2], fixed) for n in range(len(shape.targets))
-        )
+        value += sum(_rule_cost(after, ruled[:, n], (k + 1) * fixed[2], fixed) for n in range(shape.ruled))
         variables += [states[k], controls[k]]
     variables.append(states[shape.horizon])
     parameters = ca.vertcat(
         fixed, initial, own, ca.vec(stages),
         *([ca.vec(targets)] if shape.targets else []),
         *([ca.vec(obstacles)] if shape.obstacles else []),
+        *([ca.vec(ruled)] if shape.ruled else []),
     )  # fmt: skip
     problem = {"x": ca.vertcat(*variables), "f": value, "g": ca.vertcat(*rows), "p": parameters}
     equalities = np.array(equal)
@@ -179,12 +181,13 @@ def _stage_cost(state: ca.SX, control: ca.SX, stage: ca.SX, fixed: ca.SX) -> ca.
     )
 
 
-def _rule_cost(state: ca.SX, target: ca.SX, time: ca.SX, fixed: ca.SX) -> ca.SX:
+def _rule_cost(state: ca.SX, ruled: ca.SX, time: ca.SX, fixed: ca.SX) -> ca.SX:
     """What a safe distance is short of, on the side that the rules want (B18)."""
-    away_x = state[0] - target[0] - target[2] * time
-    away_y = state[1] - target[1] - target[3] * time
-    short = (target[11] - target[9] * away_x - target[10] * away_y) / fixed[3]
-    cost: ca.SX = RULE * target[12] * ((short + abs(short)) / 2.0) ** 2
+    away_x = state[0] - ruled[0] - ruled[2] * time
+    away_y = state[1] - ruled[1] - ruled[3] * time
+    short = (ruled[6] - ruled[4] * away_x - ruled[5] * away_y) / fixed[3]
+    lacking = (short + abs(short)) / 2.0
+    cost: ca.SX = RULE * ruled[7] * (ca.sqrt(1.0 + lacking**2) - 1.0)
     return cost
 
 
