@@ -366,7 +366,8 @@ class ShipAgent:
         return neighbours
 
     def _ask(self, period: Period, negotiation: Negotiation, outbox: list[Message]) -> Step:
-        neighbours = self._neighbours(period, negotiation.situation.settings)
+        settings = negotiation.situation.settings
+        neighbours = self._neighbours(period, settings) if negotiation.heeds else []
         negotiation = period.negotiation = negotiate.face(negotiation, neighbours)
         problem = negotiate.local_problem(negotiation, neighbours)
         period.asked = True
@@ -378,7 +379,7 @@ class ShipAgent:
         if not negotiation.usable:
             return self._give_up(now, period, negotiation, outbox, negotiation.worst.value)
         settings = negotiation.situation.settings
-        if settings.roles is not None and period.limits is not None:
+        if settings.roles is not None and period.limits is not None and negotiation.heeds:
             neighbours = self._neighbours(period, settings)
             negotiation = negotiate.secured(negotiation, neighbours, period.limits)
         return self._close(now, period, negotiation, outbox, "")
@@ -402,9 +403,12 @@ class ShipAgent:
         period.negotiation = negotiation
         period.phase = Phase.DONE
         period.resent = now
-        outbox.append(self._intention(period, negotiation))
+        intention = self._intention(period, negotiation)
+        outbox.append(intention)
+        plan = intention.trajectory
         if self._settings.conduct is Conduct.BREAKS_PROMISES:  # after it has promised
             negotiation = negotiate.sailing_on(negotiation)
+            plan = negotiation.told()
         controls = negotiation.plan.controls
         stopped = bool(fallback) and not controls[:, 1].any()
         self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on
@@ -415,7 +419,7 @@ class ShipAgent:
             offset=float(controls[0, 0]),
             speed_factor=float(controls[0, 1]),
             ruleset=period.own.ruleset,
-            plan=negotiation.told(),
+            plan=plan,
             settlements=period.settlements,
             openings=tuple(period.openings),
             outcome="" if negotiation.worst.usable else negotiation.worst.value,

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..frames import FloatArray, NedTrajectory, PathFrame, PathPose, PathTrajectory, frozen_array
 from ..priority import NO_BEARING, Bearing
+from ..roles import Role
 from ..ships import Hull, ShipId
 from . import nadmm
 from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
@@ -59,7 +60,8 @@ class Situation:
     room: FloatArray  # offsets between which the hull keeps its margin to the banks, (N, 2) [m]
     last_controls: FloatArray | None  # of the last period's plan, already shifted, (N, 2)
     memory: Memory = field(default_factory=Memory)  # of the roles, from the period before
-    read: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # rows of `risk.threats`, so far
+    paths: dict[NedTrajectory, PathTrajectory] = field(default_factory=dict)  # in the own frame, so far
+    rows: dict[NedTrajectory, FloatArray] = field(default_factory=dict)  # of `risk.threats`, so far
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,6 +91,11 @@ class Negotiation:
     def usable(self) -> bool:
         """Whether at least one update gave a plan that may be sailed."""
         return any(outcome.usable for outcome in self.outcomes)
+
+    @property
+    def heeds(self) -> bool:
+        """Whether the next update, or `secured`, looks at neighbours: not those of a ship that holds."""
+        return self.stance is None or self.stance.memory.acting
 
     def told(self) -> NedTrajectory:
         """Trajectory xi to broadcast now: (13d) while negotiating, the local plan at the end (step 13)."""
@@ -132,7 +139,7 @@ def face(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> Negotiati
         settings=stance.settings,
         offset_limits=stance.offset_limits,
         memory=stance.memory,
-        read={},  # risk has changed with the weights
+        rows={},  # risk has changed with the weights
     )
     plan = rollout(replace(problem, speed_limits=stance.speed_limits), stance.anchor)
     return replace(
@@ -151,7 +158,7 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     """
     stance, situation = negotiation.stance, negotiation.situation
     roles = situation.settings.roles
-    if roles is None or stance is None or not stance.memory.acting:
+    if roles is None or stance is None or not negotiation.heeds:
         return negotiation
     problem = replace(_alone(situation), offset_limits=limits)
     seen = _seen(situation, neighbours)
@@ -184,12 +191,15 @@ def may_update(wait: Wait, iteration: int, predecessors: Iterable[Progress]) -> 
 
 
 def local_problem(negotiation: Negotiation, neighbours: Sequence[Neighbour]) -> LocalProblem:
-    """State (13b) for the next update: neighbours in the own frame (steps 5 to 11), and z^{s+1/2}."""
+    """State (13b) for the next update: neighbours in the own frame (steps 5 to 11), and z^{s+1/2}.
+
+    Neighbours of a ship that does not `heed` any need not be given.
+    """
     situation = negotiation.situation
     settings = situation.settings
     half = nadmm.half_step(negotiation.iterate, settings.beta, settings.relaxation)
     stance = negotiation.stance
-    dangers = _threats(situation, neighbours, stance.gains if stance else None)
+    dangers = _threats(situation, neighbours if negotiation.heeds else (), stance.gains if stance else None)
     return LocalProblem(
         initial=situation.initial,
         last_offset=situation.last_offset,
@@ -260,6 +270,8 @@ def _threats(
     A neighbour whose factor is zero is left out.
     """
     settings = situation.settings
+    if not neighbours:
+        return _no_threats(settings.horizon)
     weighed = [
         (each, gain)
         for each, gain in zip(neighbours, gains or (1.0,) * len(neighbours), strict=True)
@@ -267,35 +279,36 @@ def _threats(
     ]
     if not weighed:
         return _no_threats(settings.horizon)
-    new = [each for each, _ in weighed if each.trajectory not in situation.read]
+    new = [each for each, _ in weighed if each.trajectory not in situation.rows]
     if new:
-        poses = _in_path(situation, [each.trajectory for each in new])
+        poses = np.stack([path.poses for path in _in_path(situation, [each.trajectory for each in new])])
         hulls = [each.hull for each in new]
         step = situation.speed * settings.kinematics.time_step
         rows = threats(situation.hull, hulls, poses, settings.risk, settings.weights, step)
-        situation.read.update(zip((each.trajectory for each in new), rows, strict=True))
-    found = np.array([situation.read[each.trajectory] for each, _ in weighed])
+        situation.rows.update(zip((each.trajectory for each in new), rows, strict=True))
+    found = np.array([situation.rows[each.trajectory] for each, _ in weighed])
     found[:, :, 5] *= np.array([gain for _, gain in weighed])[:, None]
     return found
 
 
-def _in_path(situation: Situation, told: Sequence[NedTrajectory]) -> FloatArray:
-    """Trajectories of one length in the own frame, (n, N + 1, 3), read at once."""
-    together = NedTrajectory(np.vstack([each.poses for each in told]))
-    poses = situation.frame.trajectory_to_path(together).poses
-    return poses.reshape(len(told), -1, 3)
+def _in_path(situation: Situation, told: Sequence[NedTrajectory]) -> list[PathTrajectory]:
+    """Trajectories of one length in the own frame; those not known yet are read at once."""
+    new = [each for each in dict.fromkeys(told) if each not in situation.paths]
+    if new:
+        together = NedTrajectory(np.vstack([each.poses for each in new]))
+        poses = situation.frame.trajectory_to_path(together).poses.reshape(len(new), -1, 3)
+        situation.paths.update(zip(new, map(PathTrajectory, poses), strict=True))
+    return [situation.paths[each] for each in told]
 
 
 def _seen(situation: Situation, neighbours: Sequence[Neighbour]) -> list[Seen]:
     """Neighbours as the stance sees them, in the own frame."""
-    if not neighbours:
-        return []
-    told = [each.trajectory for each in neighbours]
-    poses = _in_path(situation, [*told, *(each.unmoved or each.trajectory for each in neighbours)])
-    paths = [PathTrajectory(each) for each in poses]
+    unmoved = [each.unmoved if each.bearing.role is Role.BOTH else None for each in neighbours]  # else unused
+    _in_path(situation, [*(each.trajectory for each in neighbours), *(each for each in unmoved if each)])
+    paths = situation.paths
     return [
-        Seen(each.id, each.hull, path, each.bearing, unmoved if each.unmoved else None)
-        for each, path, unmoved in zip(neighbours, paths, paths[len(told) :], strict=False)
+        Seen(each.id, each.hull, paths[each.trajectory], each.bearing, paths[alone] if alone else None)
+        for each, alone in zip(neighbours, unmoved, strict=True)
     ]
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 from ..quantities import ANGLE
@@ -239,6 +240,7 @@ def known_values(
     return report.facts[key]
 
 
+@lru_cache(maxsize=4096)  # charts change seldom, and pairs are many
 def waterway_values(vocabulary: Vocabulary, waterway: Waterway) -> tuple[Any, ...]:
     """Facts of a waterway in the order of the vocabulary."""
     found: dict[str, Any] = {
@@ -288,8 +290,10 @@ def _held(vocabulary: Vocabulary, values: Values, ship: ShipId, encounter: Encou
     held = encounter.held.get(ship)
     if not held:
         return values
-    facts = vocabulary.by_scope[Scope.SHIP]
-    return tuple(held.get(fact.name, value) for fact, value in zip(facts, values, strict=True))
+    places, found = vocabulary.places[Scope.SHIP], list(values)
+    for name, value in held.items():
+        found[places[name]] = value
+    return tuple(found)
 
 
 def motion_of(waters: Waters, own: ShipReport, other: ShipReport) -> tuple[float, ...]:

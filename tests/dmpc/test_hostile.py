@@ -118,7 +118,7 @@ def test_answers_do_not_depend_on_the_number_of_threads() -> None:
     tasks = []
     for here, neighbours in (each for case, each in CASES.items() if case != "horizon one"):
         for count in range(9):
-            begun = negotiate.begin(replace(here, last_offset=float(count), read={}))
+            begun = negotiate.begin(replace(here, last_offset=float(count), paths={}, rows={}))
             tasks.append((negotiate.local_problem(begun, neighbours), negotiate.guesses(begun)))
     one, two, five = (Riccati(threads=threads).begin(tasks)() for threads in (1, 2, 5))
 
