@@ -16,10 +16,11 @@ from typing import Final, TypeAlias, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .polyline import Line, loops
 from .units import wrap
 
 FloatArray: TypeAlias = NDArray[np.float64]
-FEW: Final = 8  # segments of a line that are quicker looked at than sorted out
+FEW: Final = 50  # segments of a line that are quicker looked at than sorted out
 
 
 def frozen_array(values: ArrayLike) -> FloatArray:
@@ -110,6 +111,7 @@ class PathFrame:
     _courses: FloatArray = field(init=False, repr=False)
     _lower: FloatArray = field(init=False, repr=False)  # of the foot of a pose on each segment
     _upper: FloatArray = field(init=False, repr=False)
+    _line: Line = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         vertices = frozen_array(self.vertices)
@@ -129,6 +131,8 @@ class PathFrame:
         lower[0], upper[-1] = -math.inf, math.inf
         set_(self, "_lower", frozen_array(lower))
         set_(self, "_upper", frozen_array(upper))
+        line = vertices, self._tangents, self._courses, self._distances, self._lower, self._upper
+        set_(self, "_line", line)
 
     @property
     def length(self) -> float:
@@ -185,30 +189,8 @@ class PathFrame:
         return np.minimum(np.maximum(found, 0), len(self._lengths) - 1)
 
     def _into(self, poses: FloatArray) -> FloatArray:
-        first, last = self._near(poses)
-        start, tangents = self.vertices[first:last], self._tangents[first:last]  # (segments, 2)
-        away_x = poses[:, 0, None] - start[:, 0]  # (m, segments)
-        away_y = poses[:, 1, None] - start[:, 1]
-        along = away_x * tangents[:, 0] + away_y * tangents[:, 1]
-        foot = np.minimum(np.maximum(along, self._lower[first:last]), self._upper[first:last])
-        gap_x, gap_y = away_x - foot * tangents[:, 0], away_y - foot * tangents[:, 1]
-        nearest = np.argmin(gap_x * gap_x + gap_y * gap_y, axis=1)
-        rows = np.arange(len(poses))
-        along, foot, gap_x, gap_y = (each[rows, nearest] for each in (along, foot, gap_x, gap_y))
-        nearest += first
-        tangent = self._tangents[nearest]
         found = np.empty_like(poses)
-        found[:, 0] = self._distances[nearest] + foot
-        found[:, 1] = tangent[:, 0] * gap_y - tangent[:, 1] * gap_x
-        beyond = along != foot  # outside of a bend: distance to its corner
-        if beyond.any():
-            corner = nearest + (along > foot)
-            inner = np.minimum(np.maximum(corner, 1), len(self._lengths) - 1)
-            come, go = self._tangents[inner - 1], self._tangents[inner]
-            outside = go[:, 0] * come[:, 1] - go[:, 1] * come[:, 0]  # of a bend to starboard: to port
-            found[beyond, 1] = np.copysign(np.hypot(gap_x, gap_y), outside)[beyond]
-        turn = poses[:, 2] - self._courses[nearest]
-        found[:, 2] = np.arctan2(np.sin(turn), np.cos(turn))
+        loops(len(poses)).into(self._line, *self._near(poses), poses, found)
         return found
 
     def _near(self, poses: FloatArray) -> tuple[int, int]:
@@ -234,13 +216,8 @@ class PathFrame:
         return int(near[0]), int(near[-1]) + 1
 
     def _out_of(self, poses: FloatArray) -> FloatArray:
-        segment = self._segment(poses[:, 0])
-        start, tangent = self.vertices[segment], self._tangents[segment]
-        along = poses[:, 0] - self._distances[segment]
         found = np.empty_like(poses)
-        found[:, 0] = start[:, 0] + along * tangent[:, 0] - poses[:, 1] * tangent[:, 1]
-        found[:, 1] = start[:, 1] + along * tangent[:, 1] + poses[:, 1] * tangent[:, 0]
-        found[:, 2] = poses[:, 2] + self._courses[segment]
+        loops(len(poses)).out_of(self._line, poses, found)
         return found
 
 

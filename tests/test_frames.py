@@ -59,7 +59,7 @@ def _apart(one: NedPose, other: NedPose) -> float:
 
 
 @given(straight_frames(), POSES)
-@settings(derandomize=True, max_examples=80)
+@settings(derandomize=True, max_examples=80, deadline=None)
 def test_straight_frame_is_the_rotation_and_shift_of_the_paper(frame: PathFrame, pose: NedPose) -> None:
     (x_wp, y_wp), (x_next, y_next) = frame.vertices.tolist()
     chi_wp = math.atan2(y_next - y_wp, x_next - x_wp)
@@ -79,7 +79,7 @@ def test_straight_frame_is_the_rotation_and_shift_of_the_paper(frame: PathFrame,
 
 
 @given(straight_frames(), POSES)
-@settings(derandomize=True, max_examples=80)
+@settings(derandomize=True, max_examples=80, deadline=None)
 def test_a_pose_goes_there_and_back_on_a_straight_line(frame: PathFrame, pose: NedPose) -> None:
     back = frame.to_ned(frame.to_path(pose))
 
@@ -106,7 +106,7 @@ def test_ship_that_sails_against_the_line_has_the_relative_course_pi() -> None:
 
 
 @given(st.one_of(straight_frames(), bent_frames()), st.lists(POSES, min_size=1, max_size=6))
-@settings(derandomize=True, max_examples=60)
+@settings(derandomize=True, max_examples=60, deadline=None)
 def test_a_pose_is_read_like_a_trajectory(frame: PathFrame, poses: list[NedPose]) -> None:
     array = np.array([[pose.x, pose.y, pose.course] for pose in poses])
 
@@ -119,7 +119,7 @@ def test_a_pose_is_read_like_a_trajectory(frame: PathFrame, poses: list[NedPose]
 
 
 @given(st.one_of(straight_frames(), bent_frames()), st.lists(POSES, min_size=1, max_size=6))
-@settings(derandomize=True, max_examples=60)
+@settings(derandomize=True, max_examples=60, deadline=None)
 def test_a_path_pose_is_read_like_a_path_trajectory(frame: PathFrame, poses: list[NedPose]) -> None:
     array = np.array([[pose.x, pose.y, pose.course] for pose in poses])
 
@@ -132,7 +132,7 @@ def test_a_path_pose_is_read_like_a_path_trajectory(frame: PathFrame, poses: lis
 
 
 @given(straight_frames(), st.lists(POSES, min_size=1, max_size=6))
-@settings(derandomize=True, max_examples=60)
+@settings(derandomize=True, max_examples=60, deadline=None)
 def test_a_vertex_in_the_middle_of_a_straight_line_changes_nothing(
     frame: PathFrame, poses: list[NedPose]
 ) -> None:
@@ -148,7 +148,7 @@ def test_a_vertex_in_the_middle_of_a_straight_line_changes_nothing(
 
 
 @given(bent_frames(), st.floats(0.0, 1.0), st.floats(-60.0, 60.0))
-@settings(derandomize=True, max_examples=80)
+@settings(derandomize=True, max_examples=80, deadline=None)
 def test_a_pose_comes_back_to_within_the_gap_of_a_bend(frame: PathFrame, share: float, y: float) -> None:
     """Outside a bend of 5 degrees all points between two normals share one distance along the line."""
     pose = _beside(frame, share, y)
@@ -159,7 +159,7 @@ def test_a_pose_comes_back_to_within_the_gap_of_a_bend(frame: PathFrame, share: 
 
 
 @given(bent_frames(), st.floats(0.0, 1.0), COURSES)
-@settings(derandomize=True, max_examples=80)
+@settings(derandomize=True, max_examples=80, deadline=None)
 def test_a_pose_on_a_bent_line_goes_there_and_back(frame: PathFrame, share: float, course: float) -> None:
     pose = PathPose(share * frame.length, 0.0, course)
 
@@ -169,7 +169,7 @@ def test_a_pose_on_a_bent_line_goes_there_and_back(frame: PathFrame, share: floa
 
 
 @given(bent_frames(), st.floats(0.0, 1.0), st.floats(-60.0, 60.0), COURSES)
-@settings(derandomize=True, max_examples=80)
+@settings(derandomize=True, max_examples=80, deadline=None)
 def test_offset_and_distance_are_continuous_along_a_bent_line(
     frame: PathFrame, share: float, y: float, course: float
 ) -> None:

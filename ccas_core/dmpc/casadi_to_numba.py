@@ -1,4 +1,4 @@
-"""CasADi functions as Python source that numba compiles: one statement per instruction.
+"""CasADi functions as Python source that `compiling` compiles: one statement per instruction.
 
 A formula that is stated once in CasADi can then be called from compiled loops.  What is written
 here knows the operations of CasADi and nothing of the model.
@@ -6,20 +6,8 @@ here knows the operations of CasADi and nothing of the model.
 
 from __future__ import annotations
 
-import atexit
-import hashlib
-import importlib.util
-import inspect
 import math
-import os
-import shutil
-import sys
-import tempfile
-from collections.abc import Callable, Iterable, Mapping
-from functools import cache
-from pathlib import Path
-from types import ModuleType
-from typing import Any, Final, NamedTuple
+from typing import Final
 
 import casadi as ca
 
@@ -144,97 +132,3 @@ def _expression(function: ca.Function, n: int) -> str:
     if form is None:
         raise NotImplementedError(f"{function.name()}: operation {operation} of CasADi has no translation")
     return form.format(*(f"w{slot}" for slot in function.instruction_input(n)))
-
-
-def compiled_module(
-    functions: Iterable[ca.Function],
-    routines: Iterable[Callable[..., Any]],
-    numbers: Mapping[str, float],
-    tuples: Iterable[type[NamedTuple]] = (),
-) -> ModuleType:
-    """Compile CasADi functions, and Python routines that call them by name.
-
-    The text of both goes into one module in the user's cache folder, named by its content and by
-    the versions of casadi and numba; numba keeps its machine code beside it, so that only the first
-    start on a machine compiles.
-
-    Parameters
-    ----------
-    functions
-        SX functions; see `python_source`.
-    routines
-        Module-level functions; a routine sees the functions, the other routines, `numbers`, `math` and
-        `np`, and nothing else of the module in which it is written.
-    numbers
-        Constants that the routines name.
-    tuples
-        Classes of named tuples that the routines make or take; they are those of the module, then.
-    """
-    import numba  # type: ignore[import-untyped, unused-ignore]  # heavy
-
-    parts = [python_source(function) for function in functions]
-    parts += [inspect.getsource(routine) for routine in routines]
-    decorator = '@numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)\n'
-    text = _HEADER + "".join(f"{name} = {number!r}\n" for name, number in numbers.items()) + "\n\n"
-    text += "\n\n".join([*map(inspect.getsource, tuples), *(decorator + part for part in parts)])
-    versions = f"{ca.CasadiMeta.version()} {numba.__version__} {sys.version_info[:2]}\n"
-    name = "generated_" + hashlib.sha256((versions + text).encode()).hexdigest()[:20]
-    return _imported(name, text)
-
-
-def is_compiled(module: ModuleType, name: str) -> bool:
-    """Whether machine code of a routine of a `compiled_module` waits in the cache."""
-    function = getattr(module, name)
-    pattern = f"{module.__name__}.{name}-{function.py_func.__code__.co_firstlineno}.*.nbi"
-    return any(Path(function.stats.cache_path).glob(pattern))
-
-
-_HEADER: Final = '''"""Written by ccas_core.dmpc.casadi_to_numba; may be deleted."""
-
-from __future__ import annotations
-
-import math
-from typing import NamedTuple
-
-import numba
-import numpy as np
-
-
-'''
-
-
-def _imported(name: str, text: str) -> ModuleType:
-    if name not in sys.modules:
-        path = cache_folder() / f"{name}.py"
-        # A file that is there stays untouched: numba judges its machine code by the file's time.
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            _write(path, text)
-        spec = importlib.util.spec_from_file_location(name, path)
-        if spec is None or spec.loader is None:
-            raise ImportError(f"{path} cannot be imported")
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[name] = module  # numba looks its functions up there
-        spec.loader.exec_module(module)
-    return sys.modules[name]
-
-
-def _write(path: Path, text: str) -> None:
-    """Write in one go, so that another process never reads half a file."""
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, encoding="utf-8", delete=False) as file:
-        file.write(text)
-    Path(file.name).replace(path)
-
-
-@cache
-def cache_folder() -> Path:
-    """Folder for generated code: the user's own, or one for this process if that is not writable."""
-    home = os.environ.get("XDG_CACHE_HOME", "")
-    try:
-        folder = (Path(home) if home else Path.home() / ".cache") / "ccas"
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except (OSError, RuntimeError):  # not writable; or no home at all
-        own = tempfile.mkdtemp(prefix="ccas-")
-        atexit.register(shutil.rmtree, own, ignore_errors=True)
-        return Path(own)

@@ -11,14 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
-from importlib.util import find_spec
 from typing import Final, TypeAlias
 
 import numpy as np
 
+from ..compiling import fast
 from ..frames import FloatArray
 from ..ships import Hull
-from .casadi_to_numba import compiled_module
 
 FAR: Final = 60.0  # gaps of plans that stay farther away are told by the centres alone [m]
 LOOKS: Final = 5  # in a step; a ship moves by less than its beam and length between two of them
@@ -107,11 +106,7 @@ def _sizes(hull: Hull) -> Sizes:
 
 @cache
 def _loop() -> Callable[[Sizes, FloatArray, Sizes, FloatArray, FloatArray], None]:
-    """Compile `find_gaps`, or load what an earlier start has compiled; without numba, as it is written."""
-    if find_spec("numba") is None:
-        return find_gaps
-    numbers = {"FAR": FAR, "LOOKS": LOOKS}
-    return compiled_module([], [gap_in_step, find_gaps], numbers).find_gaps  # type: ignore[no-any-return]
+    return fast(gap_in_step, find_gaps, FAR=FAR, LOOKS=LOOKS)[1]
 
 
 def bank_gaps(own: Hull, plans: FloatArray, room: FloatArray) -> FloatArray:

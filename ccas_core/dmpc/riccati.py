@@ -22,10 +22,11 @@ from typing import Final
 import casadi as ca
 import numpy as np
 
+from ..compiling import compiled_module, is_compiled
 from ..errors import Diagnostic, InputError
 from ..frames import FloatArray, PathPose, PathTrajectory
 from . import riccati_kernel as kernel
-from .casadi_to_numba import compiled_module, is_compiled
+from .casadi_to_numba import python_source
 from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .model import CONSTANTS, CONTROLS, STATES, constants, stage_model
 from .outcome import Outcome
@@ -100,10 +101,11 @@ def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Functi
 
 def compiled() -> ModuleType:
     """Compile the solver, or load what an earlier start has compiled."""
-    routines = [each for each in vars(kernel).values() if inspect.isfunction(each)]
+    functions = [python_source(function) for function in stage_functions()]
+    functions += [inspect.getsource(each) for each in vars(kernel).values() if inspect.isfunction(each)]
     numbers = {name: each for name, each in vars(kernel).items() if type(each) in (int, float)}
     try:
-        return compiled_module(stage_functions(), routines, numbers, [kernel.Task, kernel.Batch])
+        return compiled_module(functions, numbers, [kernel.Task, kernel.Batch])
     except ImportError as error:
         raise InputError(
             Diagnostic(

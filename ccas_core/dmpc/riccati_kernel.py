@@ -1,6 +1,6 @@
 """The loops of `riccati`: control-limited differential dynamic programming.
 
-These functions are the text of compiled ones: `riccati` hands them to `casadi_to_numba`, together
+These functions are the text of compiled ones: `riccati` hands them to `compiling`, together
 with the functions of a stage that they call, which are made from `model`.  They use numbers,
 arrays and `math` only.  Notation: Q and V are the cost to go of a stage with and before its control,
 `_x` and `_u` their derivatives; H is Q_uu as it is used.

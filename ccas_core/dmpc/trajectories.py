@@ -6,6 +6,7 @@ runs it; the paths are the same.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
@@ -13,8 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..compiling import compiled_module
 from ..frames import FloatArray, PathTrajectory
-from .casadi_to_numba import compiled_module
+from .casadi_to_numba import python_source
 from .local_problem import LocalPlan, LocalProblem
 from .model import CONTROLS, STATES, constants, stage_model
 
@@ -61,7 +63,8 @@ def _loop() -> Callable[[FloatArray, FloatArray, FloatArray, FloatArray], None]:
     """Compile `follow`, or load what an earlier start has compiled; without numba, its stand-in."""
     if find_spec("numba") is None:
         return interpreted
-    return compiled_module([stage_model(1).dynamics], [follow], {}).follow  # type: ignore[no-any-return]
+    functions = [python_source(stage_model(1).dynamics), inspect.getsource(follow)]
+    return compiled_module(functions, {}).follow  # type: ignore[no-any-return]
 
 
 def interpreted(start: FloatArray, controls: FloatArray, constants: FloatArray, paths: FloatArray) -> None:

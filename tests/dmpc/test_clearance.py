@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+from ccas_core import compiling
 from ccas_core.dmpc import clearance
 from ccas_core.dmpc.clearance import bank_gaps, find_gaps, gap_in_step, gaps
 from ccas_core.frames import FloatArray
@@ -97,7 +98,7 @@ def test_compiled_gaps_are_those_of_the_loop_as_it_is_written() -> None:
 
 
 def test_where_numba_is_missing_the_loop_runs_as_it_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(clearance, "find_spec", lambda _: None)
+    monkeypatch.setattr(compiling, "find_spec", lambda _: None)
     clearance._loop.cache_clear()
     try:
         assert clearance._loop() is find_gaps

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from ccas_core.dmpc import casadi_to_numba
+from ccas_core import compiling
 from ccas_core.dmpc.casadi_to_numba import python_source
 from ccas_core.dmpc.local_problem import LocalPlan, LocalProblem, free_speeds
 from ccas_core.dmpc.model import (
@@ -185,9 +185,9 @@ def test_generated_code_goes_to_the_cache_folder_of_the_user(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    casadi_to_numba.cache_folder.cache_clear()
-    folder = casadi_to_numba.cache_folder()
-    casadi_to_numba.cache_folder.cache_clear()
+    compiling.cache_folder.cache_clear()
+    folder = compiling.cache_folder()
+    compiling.cache_folder.cache_clear()
 
     assert folder == tmp_path / "ccas"
     assert folder.is_dir()
@@ -198,9 +198,9 @@ def test_an_unusable_cache_folder_is_replaced_by_one_of_this_process(
 ) -> None:
     (tmp_path / "ccas").write_text("a file where the folder should be")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    casadi_to_numba.cache_folder.cache_clear()
-    folder = casadi_to_numba.cache_folder()
-    casadi_to_numba.cache_folder.cache_clear()
+    compiling.cache_folder.cache_clear()
+    folder = compiling.cache_folder()
+    compiling.cache_folder.cache_clear()
 
     assert folder.parent != tmp_path
     assert folder.is_dir()
