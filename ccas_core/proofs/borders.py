@@ -19,18 +19,19 @@ from .symbols import Term, View, constants_of
 MOST: int = 12  # examples that are told of one property
 
 
-def border(one: WrittenRuleset, other: WrittenRuleset, budget: Budget) -> Finding:
+def border(one: WrittenRuleset, other: WrittenRuleset, budget: Budget, most: int = MOST) -> Finding:
     """Own ship under one ruleset, the other under another: never do both stand on.
 
     Ships find out when they exchange their verdicts, and fall back to the safe mutual rule; where this is
-    proved, they are safe before that, too.  Where both give way is told as a note.
+    proved, they are safe before that, too.  Where both give way is told as a note.  `most` examples are told
+    either way round.
     """
     tally = Tally()
     for pair in ((one, other), (other, one)) if one is not other else ((one, other),):
         questions = Questions(pair, budget)
         names = f"{pair[0].id} | {pair[1].id}"
         both = [questions.own.says(Kind.STAND_ON), questions.other.says(Kind.STAND_ON)]
-        for ships in _examples(tally, questions, both, _both(Kind.STAND_ON), names):
+        for ships in _examples(tally, questions, both, _both(Kind.STAND_ON), names, most):
             a, b = ships.verdicts
             title = f"{names}: both stand on, by '{a.rule}' ({a.article}) and '{b.rule}' ({b.article})"
             rules = (pair[0].text.rule(a.rule), pair[1].text.rule(b.rule))
@@ -54,11 +55,12 @@ def _examples(
     terms: list[Term],
     goal: Callable[[Verdict, Verdict], bool],
     what: str,
+    most: int,
 ) -> Iterator[Ships]:
     """Ships for each pair of rules that reaches a goal, until no more are possible."""
     seen: set[tuple[str, str]] = set()
     left = list(terms)
-    while len(seen) < MOST:
+    while len(seen) < most:
         tally.questions += 1
         found, method, ships = questions.settled(
             left, lambda one, two: goal(one, two) and (one.rule, two.rule) not in seen

@@ -172,13 +172,17 @@ def check_border(
     *,
     today: date,
     budget_s: float = BUDGET,
+    most: int = borders.MOST,
     progress: Progress | None = None,
 ) -> Finding:
-    """Look at what happens between two ships under two rulesets, with the waivers of both."""
+    """Look at what happens between two ships under two rulesets, with the waivers of both.
+
+    `most` pairs of rules are shown, either way round.
+    """
     watch = progress or Silence()
     names = f"{one.id}|{other.id}"
     watch.begun(names, "border")
-    finding = borders.border(one, other, Budget(budget_s))
+    finding = borders.border(one, other, Budget(budget_s), most)
     finding = waived(finding, (*one.text.waivers, *other.text.waivers), today)
     watch.done(names, finding)
     return finding

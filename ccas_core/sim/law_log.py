@@ -26,7 +26,7 @@ class LawLog:
     decisions: int
     two_laws: int  # both judged by two rulesets or versions, and did not fall back: a fault
     fallbacks: int  # both judged by two rulesets or versions, and fell back
-    both_stand_on: int  # each of the two would have stood on: a fault
+    both_stand_on: int  # by one law, each of the two would have stood on: a fault, even where they fell back
     law_changes: int  # an encounter went on under another law than a period before: a fault without fallbacks
     switches: int  # of ships, from one ruleset to another
     flaps: int  # switches that no crossing of a border explains, or that followed too soon: a fault
@@ -59,7 +59,7 @@ def counted(scenario: Scenario, frames: Sequence[Frame], decisions: Sequence[Map
         decisions=len(decisions),
         two_laws=len(unlike) - fallbacks,
         fallbacks=fallbacks,
-        both_stand_on=sum(_kinds(each) == {"stand_on"} for each in decisions),
+        both_stand_on=sum(_kinds(each) == {"stand_on"} for each in decisions if len(laws_named(each)) == 1),
         law_changes=_law_changes(decisions, scenario.time_step),
         switches=len(switches),
         flaps=sum(switches),

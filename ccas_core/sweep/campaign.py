@@ -194,7 +194,7 @@ def _rows(results: Sequence[Result]) -> Iterator[dict[str, object]]:
         row |= {
             "case": case.name,
             "cell": case.cell.name,
-            "ruleset": case.ruleset,
+            "ruleset": case.under,
             "variant": case.variant.name,
             "geometry": geometry(case.cell),
             "index": case.index,

@@ -8,7 +8,6 @@ import time
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +17,7 @@ from ..agent.events import Conduct
 from ..dmpc.solvers import AbstractLocalSolver
 from ..sim.conduct import CALM_BEYOND, has_acted
 from ..sim.frame import Frame
+from ..sim.law_log import law_log
 from ..sim.metrics import summary
 from ..sim.scenario import Scenario
 from ..sim.scenario_dump import dump_scenario
@@ -26,6 +26,7 @@ from ..sim.start import graph_at_start
 from ..sim.voyage import undisturbed_times, voyage
 from ..tapd.ruleset import AbstractRuleset
 from .alone import could_avoid
+from .borders import with_border
 from .changes import actions, changes_of_mind
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from .groups import draw_junction, draw_reach
@@ -51,6 +52,11 @@ class Case:
         variant = f"-{self.variant.name}" if self.variant.name else ""
         return f"{self.cell.name}-{self.ruleset}{variant}-{self.index:05d}"
 
+    @property
+    def under(self) -> str:
+        """Ruleset by which it is sailed; of a border, both."""
+        return "|".join(self.cell.border) if self.cell.border else self.ruleset
+
     def key(self, code: str) -> str:
         """Digest of all that decides about the result; `code` is that of the program."""
         drawn = replace(self, cell=replace(self.cell, count=0))  # the same in a cell of any size
@@ -60,7 +66,14 @@ class Case:
 
 def cases(sweep: Sweep) -> Iterator[Case]:
     """All cases of a sweep; those of different cells take turns, so that all fill up together."""
-    kinds = list(product(sweep.variants, sweep.rulesets, sweep.cells))
+    at_borders = [cell.border[0] for cell in sweep.cells if cell.border]
+    kinds = [
+        (variant, ruleset, cell)
+        for variant in sweep.variants
+        for ruleset in dict.fromkeys([*sweep.rulesets, *at_borders])
+        for cell in sweep.cells
+        if ruleset in ([cell.border[0]] if cell.border else sweep.rulesets)
+    ]
     for index in range(max(cell.count for cell in sweep.cells)):
         for variant, ruleset, cell in kinds:
             if index < cell.count:
@@ -99,7 +112,8 @@ def _drawn(case: Case) -> Scenario:
         return draw_junction(rng, cell.ships, case.ruleset)
     if cell.draw is Draw.REACH:
         return draw_reach(rng, cell.ships, case.ruleset)
-    return draw_encounter(rng, Kind(cell.draw.value), cell.risk, case.ruleset)
+    drawn = draw_encounter(rng, Kind(cell.draw.value), cell.risk, case.ruleset)
+    return with_border(rng, drawn, cell.border[1], lacking=cell.lacking) if cell.border else drawn
 
 
 def _with_breach(drawn: Scenario, rulesets: Mapping[str, AbstractRuleset], conduct: Conduct) -> Scenario:
@@ -124,6 +138,7 @@ def sail(
     return frames, {
         **{key: found[key] for key in KEPT},
         **_two_ships(sailed, frames),
+        "laws": _laws(sailed, frames),
         "avoidable": could_avoid(sailed, frames),
         "count": len(sailed.ships),
         "ships": found["ships"],
@@ -149,6 +164,14 @@ def _two_ships(sailed: Scenario, frames: Sequence[Frame]) -> dict[str, Any]:
         return {"calm": None, "acted": None}
     calm = undisturbed_meeting(sailed).clearance > CALM_BEYOND
     return {"calm": calm, "acted": any(has_acted(frames, plan.ship.id) for plan in sailed.ships)}
+
+
+def _laws(sailed: Scenario, frames: Sequence[Frame]) -> dict[str, int] | None:
+    """What the log says of laws, where there is a border."""
+    if not sailed.waters.regions:
+        return None
+    log = law_log(sailed, frames)
+    return {**asdict(log), "faults": log.faults}
 
 
 def geometry(cell: Cell) -> str:

@@ -52,6 +52,7 @@ def write_report(
         "<h2>Rates</h2>",
         f"<p class=note>Upper bounds are one-sided, at a confidence of {CONFIDENCE:.0%}.</p>",
         _rates(found["cells"]),
+        *_laws(found["cells"]),
         "<h2>Cases with a fault</h2>",
         *_faulty(results),
         *_jointly(found["jointly"]),
@@ -139,6 +140,30 @@ def _rates(cells: Sequence[Mapping[str, Any]]) -> str:
             for cell in cells
         ),
     )
+
+
+def _laws(cells: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What the logs say of laws, of cells with a border."""
+    counted = [cell for cell in cells if cell["laws"]]
+    if not counted:
+        return []
+    bad = {
+        "two_laws": "two laws, no fall-back",
+        "both_stand_on": "both stand on",
+        "law_changes": "law changed within an encounter",
+        "flaps": "flaps",
+    }
+    good = {"decisions": "decisions", "switches": "ships that went over", "fallbacks": "fall-backs"}
+    rows = [
+        [
+            *_named(cell),
+            *((str(cell["laws"][key]), False) for key in good),
+            *((str(cell["laws"][key]), cell["laws"][key] > 0) for key in bad),
+        ]
+        for cell in counted
+    ]
+    note = "<p class=note>A decision is a pair of ships in a period, as the log has it.</p>"
+    return ["<h2>Laws</h2>", note, _table(("cell", "ruleset", *good.values(), *bad.values()), rows)]
 
 
 def _faulty(results: Sequence[Result]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -13,7 +13,7 @@ from ..dmpc.parameters import PARAMETERS
 from ..errors import InputError
 from ..findings import read_text
 from ..quantities import QUANTITY_OF, TIME, Range
-from ..strict_yaml import Reader
+from ..strict_yaml import Block, Reader
 from ..yaml_nodes import Node
 from .draw import Risk
 
@@ -46,6 +46,8 @@ class Cell:
     risk: Risk = Risk.RISKY  # of two ships
     ships: tuple[int, int] = (2, 2)  # least and greatest number in a group
     breach: Conduct = Conduct.DUTIFUL  # how the ship that is obliged to give way behaves
+    border: tuple[str, str] | None = None  # rulesets on either side of a border through two ships' encounter
+    lacking: bool = False  # one of the two ships has not the second of these aboard
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +92,8 @@ def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | No
     names: dict[str, Node] = {}
     variant_names: dict[str, Node] = {}
     title = root.find("title")
+    each_cell = reader.items(root.require("cells"), 1)
+    cells = tuple(_cell(reader, each, names, rulesets) for each in each_cell)
     sweep = Sweep(
         name=reader.text(root.require("name")),
         title=reader.text(title) if title else "",
@@ -98,16 +102,22 @@ def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | No
         deadline=reader.number(root.optional("deadline", "60 s"), TIME, Range(above=0.0)),
         solver=reader.text(root.optional("solver", "riccati")),
         jointly=reader.integer(root.optional("jointly", "0"), 0, _MOST),
-        rulesets=tuple(
-            _ruleset(reader, each, rulesets) for each in reader.items(root.require("rulesets"), 1)
-        ),
-        cells=tuple(_cell(reader, each, names) for each in reader.items(root.require("cells"), 1)),
+        cells=cells,
+        rulesets=_rulesets(reader, root, cells, rulesets),
         variants=tuple(_variant(reader, each, variant_names) for each in reader.items(root.find("variants")))
         or (Variant(),),
     )
     root.done()
     reader.finish()
     return sweep
+
+
+def _rulesets(
+    reader: Reader, root: Block, cells: Sequence[Cell], known: Collection[str] | None
+) -> tuple[str, ...]:
+    """Rulesets by which cells are sailed; those with a border have their own, and need no others."""
+    node = root.find("rulesets") if all(cell.border for cell in cells) else root.require("rulesets")
+    return tuple(_ruleset(reader, each, known) for each in reader.items(node, 1)) if node else ()
 
 
 def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> str:
@@ -117,12 +127,14 @@ def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> st
     return ruleset
 
 
-def _cell(reader: Reader, node: Node, names: dict[str, Node]) -> Cell:
+def _cell(reader: Reader, node: Node, names: dict[str, Node], rulesets: Collection[str] | None) -> Cell:
     block = reader.block(node)
     name = reader.unique(names, block.require("name"), "cell")
     scenario, draw, ships = block.find("scenario"), block.find("draw"), block.find("ships")
     if (scenario is None) == (draw is None):
         reader.refuse(node, "a cell has either 'draw' or 'scenario'", expected="one of the two")
+    border = block.find("border")
+    sides = [_ruleset(reader, each, rulesets) for each in reader.items(border, 2, 2)] if border else []
     bounds = [reader.integer(each, *_SHIPS) for each in reader.items(ships, 2, 2)] if ships else [2, 2]
     cell = Cell(
         name=name,
@@ -132,7 +144,14 @@ def _cell(reader: Reader, node: Node, names: dict[str, Node]) -> Cell:
         risk=reader.choice(block.optional("risk", "risky"), Risk),
         ships=(min(bounds, default=2), max(bounds, default=2)),
         breach=reader.choice(block.optional("breach", "dutiful"), Conduct),
+        border=(sides[0], sides[1]) if len(sides) == 2 else None,
+        lacking=reader.flag(lacking := block.optional("lacking", "false")),
     )
+    if cell.lacking and not border:
+        reader.refuse(lacking, "a ship lacks the ruleset beyond a border", expected="a 'border'")
+    if border and cell.draw not in TWO_SHIPS:
+        expected = f"'draw' one of {', '.join(TWO_SHIPS)}"
+        reader.refuse(border, "a border is drawn through an encounter of two ships", expected=expected)
     block.done()
     return cell
 

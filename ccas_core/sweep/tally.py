@@ -28,7 +28,7 @@ def cell_entries(results: Iterable[Result]) -> list[dict[str, Any]]:
     """Count by cell, ruleset and variant: the entries `cells` of `summary.json` (contract)."""
     groups: dict[tuple[str, str, str], list[Result]] = {}
     for each in results:
-        key = each.case.cell.name, each.case.ruleset, each.case.variant.name
+        key = each.case.cell.name, each.case.under, each.case.variant.name
         groups.setdefault(key, []).append(each)
     return [_entry(group) for group in groups.values()]
 
@@ -46,7 +46,7 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
     indices = [kept["min_safety_index_m"] for kept in done if kept["min_safety_index_m"] is not None]
     return {
         "name": first.cell.name,
-        "ruleset": first.ruleset,
+        "ruleset": first.under,
         "variant": first.variant.name,
         "geometry": geometry(first.cell),
         "n": len(group),
@@ -66,7 +66,14 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
         "mean_stand_on_delay_share": _mean(stand_on),
         "most_changes_of_mind": max(changes, default=0),
         "mean_actions": _mean([float(n) for kept in done for n in kept["actions"].values()]),
+        "laws": _laws(done),
     }
+
+
+def _laws(done: Sequence[dict[str, Any]]) -> dict[str, int] | None:
+    """Sums of what the logs say of laws; None where no case had a border."""
+    logs = [kept["laws"] for kept in done if kept["laws"]]
+    return {key: sum(log[key] for log in logs) for key in logs[0]} if logs else None
 
 
 def _delays(kept: dict[str, Any]) -> Iterator[float]:
@@ -123,6 +130,8 @@ def faults(result: Result) -> tuple[str, ...]:
         return (str(result.status),)
     kept = result.kept
     found = [mark for mark in _MARKS if kept[mark]]
+    if (kept.get("laws") or {}).get("faults"):
+        found.append("laws")
     if any(met["faithful"] is False for met in kept["encounters"]):
         found.append("unfaithful")
     if kept["calm"] and kept["acted"]:
@@ -132,7 +141,7 @@ def faults(result: Result) -> tuple[str, ...]:
 
 def worst(results: Iterable[Result]) -> list[tuple[Result, tuple[str, ...]]]:
     """All cases with a fault, the worst first, then by the least clearance."""
-    order = (*(str(status) for status in Status), *_MARKS, "unfaithful", "needless")
+    order = (*(str(status) for status in Status), *_MARKS, "laws", "unfaithful", "needless")
     found = [(each, what) for each in results if (what := faults(each))]
 
     def rank(pair: tuple[Result, tuple[str, ...]]) -> tuple[int, float, str]:

@@ -14,6 +14,7 @@ import typer
 from ccas_core.errors import Diagnostic, InputError, did_you_mean
 
 from . import inputs, talk
+from .border_notes import BorderNote, borders_of
 from .exits import Code
 
 if TYPE_CHECKING:
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from ccas_core.plugins import Plugins
     from ccas_core.strict_yaml import Reader
 
-# Takes text and source; gives remarks, and raises InputError with all findings.
-Check: TypeAlias = Callable[[str, str], Iterable[Diagnostic]]
+# Takes text and source; gives remarks and notes, and raises InputError with all findings.
+Check: TypeAlias = "Callable[[str, str], Iterable[Diagnostic | BorderNote]]"
 _CASES = "encounters"  # these files have no schema
 
 
@@ -42,8 +43,9 @@ def check(
 
     Every finding has its file, line and column, what was found and what was expected; one with a code has a
     page: `ccas code CODE`. What kind of file it is is told by its first key, `schema`; encounter files have
-    none. Exit code 2 if a file cannot be used, 1 if there are only remarks, on rules without a test and the
-    like.
+    none. Of each border in a scenario it is told whether a ship under one ruleset and a ship under the other
+    could both stand on, if they did not agree on one law. Exit code 2 if a file cannot be used, 1 if there
+    are only remarks, on rules without a test and the like.
 
     Example:
         ccas check scenarios/ my_own.yaml
@@ -51,6 +53,7 @@ def check(
     checks = _checks(inputs.load_plugins(context))
     findings: list[Diagnostic] = []
     remarks: list[Diagnostic] = []
+    notes: list[BorderNote] = []
     count = 0
     for path in paths:
         files = sorted(path.rglob("*.yaml")) if path.is_dir() else [path]
@@ -59,22 +62,29 @@ def check(
             findings.append(Diagnostic(source=str(path), message="no *.yaml file in this folder", hint=hint))
         count += len(files)
         for file in files:
-            told = list(_told(file, checks, remarks))
+            told = list(_told(file, checks, remarks, notes))
             findings += told
-    _show(findings, remarks, count, as_json=as_json)
+    _show(findings, remarks, notes, count, as_json=as_json)
     if findings:
         raise typer.Exit(Code.WRONG_USE)
     if remarks:
         raise typer.Exit(Code.FINDINGS)
 
 
-def _show(findings: list[Diagnostic], remarks: list[Diagnostic], count: int, *, as_json: bool) -> None:
+def _show(
+    findings: list[Diagnostic],
+    remarks: list[Diagnostic],
+    notes: list[BorderNote],
+    count: int,
+    *,
+    as_json: bool,
+) -> None:
     if as_json:
         errors = [{**dataclasses.asdict(each), "severity": "error"} for each in findings]
         doubts = [{**dataclasses.asdict(each), "severity": "remark"} for each in remarks]
-        talk.show_json([*errors, *doubts])
+        talk.show_json([*errors, *doubts, *(each.as_data() for each in notes)])
         return
-    for finding in (*findings, *remarks):
+    for finding in (*findings, *remarks, *(each.told() for each in notes)):
         talk.show(str(finding))
     counts = [
         talk.one_or_more(len(found), word)
@@ -97,9 +107,8 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
         vocabulary=plugins.vocabulary,
     )
 
-    def check_scenario(text: str, source: str) -> Iterable[Diagnostic]:
-        scenario(text, source)
-        return ()
+    def check_scenario(text: str, source: str) -> Iterable[BorderNote]:
+        return borders_of(scenario(text, source), source, plugins.rulesets)
 
     return {
         scenario_file.SCHEMA: check_scenario,
@@ -136,14 +145,20 @@ def _check_cases(plugins: Plugins, text: str, source: str) -> Iterable[Diagnosti
     return case_remarks(Reader(text, source), plugins.rulesets)
 
 
-def _told(file: Path, checks: Mapping[str, Check], remarks: list[Diagnostic]) -> Iterator[Diagnostic]:
-    """Findings in a file; what it may be used with all the same goes to the remarks."""
+def _told(
+    file: Path, checks: Mapping[str, Check], remarks: list[Diagnostic], notes: list[BorderNote]
+) -> Iterator[Diagnostic]:
+    """Findings in a file; what it may be used with all the same goes to the remarks and notes."""
     from ccas_core.findings import read_text
     from ccas_core.tapd.code_pages import coded
 
     try:
         text = read_text(file)
-        remarks += _check_for(text, str(file), checks)(text, str(file))
+        for each in _check_for(text, str(file), checks)(text, str(file)):
+            if isinstance(each, BorderNote):
+                notes.append(each)
+            else:
+                remarks.append(each)
     except InputError as error:
         yield from map(coded, error.diagnostics)
 

@@ -78,8 +78,8 @@ def sweep(
 
     The folder gets `cases.csv`, `summary.json`, `report.html` (with pictures of the worst cases) and the
     scenario files of all cases with a fault. Ctrl-C stops; the same command goes on where it was stopped, and
-    what is finished is not sailed again. Exit code 1 if ships collided, ran aground or froze, or a case
-    failed.
+    what is finished is not sailed again. Exit code 1 if ships collided, ran aground or froze, judged by two
+    laws without a fall-back, or a case failed.
 
     Example:
         ccas sweep two_ship_short --seed 7 --out runs/seven
@@ -91,7 +91,8 @@ def sweep(
     write_table = parquet_writer() if parquet else None
     plugins = inputs.load_plugins(context)
     wanted = _specified(inputs.read_sweep(spec, plugins), seed, ruleset, executor, limit)
-    for id_ in wanted.rulesets:
+    sides = (id_ for cell in wanted.cells for id_ in cell.border or ())
+    for id_ in (*wanted.rulesets, *sides):
         plugins.ruleset(id_)  # refuses one that is not known
     folder = out or Path("runs", f"{wanted.name}-{wanted.seed}")
     sails = program(inputs.wanted_plugins(context).only)
@@ -107,7 +108,8 @@ def sweep(
         talk.show_json(found)
     else:
         _show(found["cells"], report)
-    if found["failures"] or any(cell[key] for cell in found["cells"] for key in _DAMAGE):
+    broken = any((cell["laws"] or {}).get("faults") for cell in found["cells"])
+    if found["failures"] or broken or any(cell[key] for cell in found["cells"] for key in _DAMAGE):
         raise typer.Exit(Code.FINDINGS)
 
 

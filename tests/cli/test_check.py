@@ -5,7 +5,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from ccas_cli.border_notes import borders_of
+from ccas_core.plugins import load
+from ccas_core.regions import Region
+from ccas_core.sim.scenario import Scenario
+from ccas_core.tapd.facts import PairFacts
+from ccas_core.tapd.ruleset import PairRuleset
+from ccas_core.verdict import Verdict
+from ccas_core.waterway import Waters, Waterway
 
 from . import TWO_SHIPS, ccas
 from .test_cases import CASES, RULESET
@@ -166,3 +176,68 @@ def test_nonsense_is_a_finding(content: bytes, told: str, tmp_path: Path) -> Non
 
     assert done.exit_code == 2
     assert told in done.stdout
+
+
+# --- borders --------------------------------------------------------------------------------------
+
+
+def bordered(two_ships: Path, far: str = "bpr") -> Path:
+    polygon = "[[-50, -600], [900, -600], [900, 600], [-50, 600]]"
+    region = f"regions: [{{id: east, ruleset: {far}, polygon: {polygon}}}]"
+    two_ships.write_text(TWO_SHIPS.replace("regions: []", region), encoding="utf-8")
+    return two_ships
+
+
+def test_each_border_of_a_scenario_is_looked_at_and_its_verdict_told(two_ships: Path) -> None:
+    done = ccas("check", bordered(two_ships))
+
+    assert done.exit_code == 0  # ships agree on one law: a border that is refuted is no fault of the scenario
+    assert (
+        f"{two_ships}: border tran2026 | bpr: refuted, ships that did not agree on one law might"
+        in done.stdout
+    )
+    assert "`ccas check-consistency --border tran2026 bpr` shows such ships" in done.stdout
+    assert done.stderr == "1 file read: nothing is wrong\n"
+
+
+def test_programs_are_told_the_verdict_of_a_border(two_ships: Path) -> None:
+    (told,) = json.loads(ccas("check", bordered(two_ships), "--json").stdout)
+
+    assert (told["severity"], told["border"], told["verdict"]) == ("note", ["tran2026", "bpr"], "refuted")
+    assert (told["waived"], told["source"]) == (False, str(two_ships))
+
+
+def test_no_border_is_told_where_the_law_is_the_same_or_there_is_no_water(two_ships: Path) -> None:
+    done = ccas("check", bordered(two_ships, "tran2026"))
+    assert (done.exit_code, done.stdout) == (0, "")
+
+    text = TWO_SHIPS.replace(
+        "regions: []", "regions: [{id: east, ruleset: bpr, polygon: [[900, 0], [990, 0], [990, 90]]}]"
+    )
+    two_ships.write_text(text, encoding="utf-8")
+    assert ccas("check", two_ships).stdout == ""
+
+
+def test_nothing_can_be_proved_of_a_border_with_a_ruleset_in_python() -> None:
+    waters = Waters(
+        ruleset="bpr",
+        waterways=(Waterway(id="r", centreline=np.array([[0.0, -900.0], [0.0, 900.0]]), width=90.0),),
+        regions=(
+            Region(id="e", ruleset="python", polygon=np.array([[-99.0, 0], [-99, 999], [99, 999], [99, 0]])),
+        ),
+    )
+    rulesets = {"bpr": load().rulesets["bpr"], "python": InPython()}
+    (note,) = borders_of(Scenario(name="x", waters=waters, ships=()), "x.yaml", rulesets)
+
+    assert (note.verdict, note.hint) == ("undecided", "")
+    assert note.message == "border bpr | python: undecided, for nothing can be proved of a ruleset in Python"
+
+
+class InPython(PairRuleset):
+    """A ruleset that is not in a file."""
+
+    id, version, title = "python", "1", "in Python"
+
+    def judge(self, facts: PairFacts) -> Verdict:
+        """Judge nothing."""
+        raise NotImplementedError

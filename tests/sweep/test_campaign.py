@@ -42,10 +42,11 @@ CELL_KEYS = {
 def test_shipped_sweeps_can_be_read() -> None:
     shipped = [name for name in names() if name.startswith("sweeps/")]
 
-    assert {"sweeps/two_ship_short", "sweeps/groups_short"} <= set(shipped)
+    assert {"sweeps/two_ship_short", "sweeps/groups_short", "sweeps/border_short"} <= set(shipped)
     for name in shipped:
         sweep = load_sweep(path(name), plugins.load().rulesets)
-        assert sum(1 for _ in cases(sweep)) == len(sweep.rulesets) * sum(c.count for c in sweep.cells)
+        counts = (cell.count * (1 if cell.border else len(sweep.rulesets)) for cell in sweep.cells)
+        assert sum(1 for _ in cases(sweep)) == sum(counts)
 
 
 def test_a_sweep_counts_goes_on_where_it_stopped_and_is_not_run_again(tmp_path: Path) -> None:
