@@ -111,6 +111,11 @@ class LawMap:
         Law outside of all regions; None where they cover all waters.
     regions
         At least one, or a default.
+
+    Attributes
+    ----------
+    everywhere
+        The one law of a chart without regions; None where there are some.
     """
 
     def __init__(self, default: Law | None, regions: Sequence[Region]) -> None:
@@ -118,6 +123,7 @@ class LawMap:
             raise ValueError("waters need a ruleset or a region")
         self.default = default
         self.regions = tuple(sorted(regions, key=lambda each: -each.precedence))  # stable
+        self.everywhere = None if self.regions else default
         self._areas: dict[Law, BaseGeometry] = {}
 
     @property

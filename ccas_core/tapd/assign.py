@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from ..regions import Law
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .aboard import Aboard, judging
@@ -28,7 +29,15 @@ def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple
 def assign_by_law(rulesets: Aboard, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
     """Judge every other ship by the law of the pair, in the order of ids."""
     others = sorted(ship for ship in situation.world.reports if ship != own)
-    return tuple(judged_by_law(rulesets, situation, own, other) for other in others)
+    everywhere = situation.world.waters.laws.everywhere
+    if everywhere is None:
+        return tuple(judged_by_law(rulesets, situation, own, other) for other in others)
+    ruleset = judging(rulesets, everywhere)
+    if everywhere.is_met_by(
+        ruleset.id, ruleset.version
+    ):  # as a rule; then nothing is to be found for each pair
+        return tuple(judged(ruleset, situation, own, other) for other in others)
+    return tuple(_without(everywhere, judged(ruleset, situation, own, other)) for other in others)
 
 
 def judged_by_law(rulesets: Aboard, situation: Situation, own: ShipId, other: ShipId) -> Verdict:
@@ -36,7 +45,12 @@ def judged_by_law(rulesets: Aboard, situation: Situation, own: ShipId, other: Sh
     law = situation.law(own, other)
     ruleset = judging(rulesets, law)
     verdict = judged(ruleset, situation, own, other)
-    return verdict if law.is_met_by(ruleset.id, ruleset.version) else replace(verdict, lacks=str(law))
+    return verdict if law.is_met_by(ruleset.id, ruleset.version) else _without(law, verdict)
+
+
+def _without(law: Law, verdict: Verdict) -> Verdict:
+    """Say that a verdict is not by the law of the pair."""
+    return replace(verdict, lacks=str(law))
 
 
 def judged(ruleset: AbstractRuleset, situation: Situation, own: ShipId, other: ShipId) -> Verdict:

@@ -36,9 +36,7 @@ def law_of_pair(waters: Waters, one: ShipReport, other: ShipReport) -> Law:
     one, other
         What the ships report, in any order.
     """
-    if not waters.regions:
-        return waters.laws.at(one.pose)
-    return waters.laws.at(place_of_meeting(waters, one, other))
+    return waters.laws.everywhere or waters.laws.at(place_of_meeting(waters, one, other))
 
 
 def place_of_meeting(waters: Waters, one: ShipReport, other: ShipReport) -> NedPose:

@@ -70,10 +70,8 @@ class Situation:
     def law(self, own: ShipId, other: ShipId) -> Law:
         """Law by which two ships judge one another: that of their encounter, or of where they will meet."""
         world = self.world
-        if not world.waters.regions:
-            return world.waters.laws.at(world.reports[own].pose)
-        remembered = self.encounter(own, other).law
-        return remembered or law_of_pair(world.waters, world.reports[own], world.reports[other])
+        known = world.waters.laws.everywhere or self.encounter(own, other).law
+        return known or law_of_pair(world.waters, world.reports[own], world.reports[other])
 
     def encounter(self, own: ShipId, other: ShipId) -> Encounter:
         """What is remembered of two ships."""

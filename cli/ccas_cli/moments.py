@@ -156,10 +156,12 @@ def _recomputed(
         message = f"does not have ship '{unknown[0]}', which was sailed"
         raise InputError(Diagnostic(source=str(folder / SCENARIO), message=message))
     carried = rulesets_aboard(scenario, plugins.rulesets)
-    before = Situation(world=_world(scenario, lines, []))
+    before = Situation(world=_world(scenario, lines, [], {}))
     now = before
+    sailed: dict[ShipId, float] = {}  # speed of each ship in the period before [m/s]
     for _, present in sorted(rows.items()):
-        now = replace(before, world=_world(scenario, lines, present))
+        now = replace(before, world=_world(scenario, lines, present, sailed))
+        sailed = {row.ship: row.speed for row in present}  # under the command that was given then
         there = [pair for pair in pairs if set(pair) <= now.world.reports.keys()]
         last, encounters = _judged(now, there, carried)
         kept = now.on_starboard_side(plugins.vocabulary)
@@ -191,8 +193,13 @@ def _judged(
     return settlements, encounters
 
 
-def _world(scenario: Scenario, lines: Mapping[ShipId, GuidingLine], rows: Sequence[Row]) -> World:
-    """Chart and reports of some ships where a frame has them."""
+def _world(
+    scenario: Scenario,
+    lines: Mapping[ShipId, GuidingLine],
+    rows: Sequence[Row],
+    sailed: Mapping[ShipId, float],
+) -> World:
+    """Chart and reports of some ships where a frame has them, at the speed of the period before."""
     from ccas_core.frames import NedPose
     from ccas_core.world import ShipReport, World
 
@@ -206,7 +213,7 @@ def _world(scenario: Scenario, lines: Mapping[ShipId, GuidingLine], rows: Sequen
         reports[row.ship] = ShipReport(
             ship=plan.ship,
             pose=pose,
-            speed=row.speed,
+            speed=sailed.get(row.ship, plan.speed),
             waterway=leg.waterway,
             towards=leg.towards,
             ruleset=row.ruleset,

@@ -138,6 +138,16 @@ def test_moment_of_a_voyage_is_explained_from_its_poses(run: Path) -> None:
     assert "the encounter is remembered from its beginning" in text
 
 
+def test_moments_of_a_voyage_over_a_border_are_explained_by_the_law_of_each_pair(tmp_path: Path) -> None:
+    """A ship that stops at once is looked at with the speed that it still had."""
+    ccas("simulate", "borders/bpr_ccnr_crossing", "--out", tmp_path / "run", "--no-pictures", "--quiet")
+
+    for time, laws in (("0", {"bpr", "ccnr"}), ("400", {"bpr", "ccnr"}), ("520", {"bpr"})):
+        pairs = told(tmp_path / "run", "--time", time)
+        assert [pair["recomputed"] for pair in pairs] == [True] * len(pairs)
+        assert {view["ruleset"] for pair in pairs for view in pair["verdicts"].values()} == laws
+
+
 def test_record_alone_is_told_where_the_poses_say_otherwise(run: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy"
     copy.mkdir()
