@@ -100,9 +100,9 @@ def read_region(
     ruleset = read_law(reader, block.require("ruleset"), rulesets)
     precedence = reader.integer(block.optional("precedence", "0"), -_PRECEDENCE, _PRECEDENCE)
     stretch = block.find("stretch")
-    border = block.find("polygon") if stretch else block.require("polygon")
-    if stretch and border:
-        reader.refuse(stretch, "a region has a polygon or a stretch", expected="one of the two")
+    border = block.find("polygon")
+    if bool(stretch) == bool(border):
+        reader.refuse(stretch or node, "a region has a polygon or a stretch", expected="one of the two")
     if stretch:
         points = _stretch(reader, stretch, waterways)
     else:

@@ -33,7 +33,7 @@ def check(
         list[Path],
         typer.Argument(
             metavar="PATH",
-            help="Files, or folders that are searched for *.yaml.",
+            help="Files, folders that are searched for *.yaml, or shipped scenarios by name.",
             show_default=False,
         ),
     ],
@@ -48,7 +48,7 @@ def check(
     are only remarks, on rules without a test and the like.
 
     Example:
-        ccas check scenarios/ my_own.yaml
+        ccas check scenarios/ my_own.yaml borders/convoy_of_five
     """
     checks = _checks(inputs.load_plugins(context))
     findings: list[Diagnostic] = []
@@ -56,10 +56,11 @@ def check(
     notes: list[BorderNote] = []
     count = 0
     for path in paths:
-        files = sorted(path.rglob("*.yaml")) if path.is_dir() else [path]
-        if not files:
-            hint = "a scenario, a ruleset or a file of encounters ends in .yaml"
-            findings.append(Diagnostic(source=str(path), message="no *.yaml file in this folder", hint=hint))
+        try:
+            files = _files(path)
+        except InputError as error:
+            findings += error.diagnostics
+            continue
         count += len(files)
         for file in files:
             told = list(_told(file, checks, remarks, notes))
@@ -69,6 +70,17 @@ def check(
         raise typer.Exit(Code.WRONG_USE)
     if remarks:
         raise typer.Exit(Code.FINDINGS)
+
+
+def _files(path: Path) -> list[Path]:
+    """Files that a path stands for: itself, all of a folder, or the scenario that is shipped by this name."""
+    if not path.is_dir():
+        return [path if path.exists() else inputs.scenario_file(str(path))]
+    files = sorted(path.rglob("*.yaml"))
+    if not files:
+        hint = "a scenario, a ruleset or a file of encounters ends in .yaml"
+        raise InputError(Diagnostic(source=str(path), message="no *.yaml file in this folder", hint=hint))
+    return files
 
 
 def _show(

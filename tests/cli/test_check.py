@@ -28,6 +28,21 @@ def test_file_that_is_well_has_no_findings(two_ships: Path) -> None:
     assert done.stderr == "1 file read: nothing is wrong\n"
 
 
+def test_a_shipped_scenario_is_checked_by_its_name() -> None:
+    done = ccas("check", "tran2026/fig_12", "fig_13")
+
+    assert (done.exit_code, done.stdout) == (0, "")
+    assert done.stderr == "2 files read: nothing is wrong\n"
+
+
+def test_what_is_neither_a_file_nor_a_shipped_scenario_is_told_beside_the_rest(two_ships: Path) -> None:
+    done = ccas("check", "fig_21", two_ships)
+
+    assert done.exit_code == 2
+    assert done.stdout.startswith("fig_21: no shipped scenario has this name")
+    assert done.stderr == "1 file read: 1 finding\n"
+
+
 def test_all_findings_of_all_files_are_told_at_once(two_ships: Path) -> None:
     folder = two_ships.parent
     (folder / "deep").mkdir()

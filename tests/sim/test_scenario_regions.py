@@ -142,7 +142,7 @@ FAULTS = [
     ("to: 4000 m", "to: 1 km", "1 km", "a stretch from 2000 m to 1000 m", ""),
     ("to: 4000 m", "until: 4000 m", "until", "unknown key 'until'", "known: from, to, waterway"),
     (STRETCH, f"{STRETCH}, {WEST}", "{waterway: river, from", "a region has a polygon or a stretch", ""),
-    (f", {STRETCH}", "", "{id: rhine", "the key 'polygon' is missing here", ""),
+    (f", {STRETCH}", "", "{id: rhine", "a region has a polygon or a stretch", ""),
     ("from: 2 km", "from: 2000", "2000, to", "'2000' has no unit", "if it is in m, write '2000 m'"),
     ("  waterways:", "  hysteresis: {width: -1 m}\n  waterways:", "-1 m", "'-1 m' is out of range", ""),
     ("    speed: 3 m/s\n", "    speed: 3 m/s\n    rulesets: [bpr, ccr]\n", "ccr]", "unknown ruleset 'ccr'",
