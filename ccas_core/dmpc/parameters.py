@@ -106,7 +106,7 @@ class Roles:
     swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
     reserve: float = 2  # periods that a ship that stands on keeps in hand before it acts
     crossing: Weights = field(
-        default_factory=lambda: Weights(K_y=5.0, mu_1=1.0)
+        default_factory=lambda: Weights(K_y=5.0, K_s=5.0, mu_1=1.0)
     )  # in place of `Settings.weights`
 
 

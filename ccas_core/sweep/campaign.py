@@ -56,6 +56,7 @@ COLUMNS: Final = (
     "faithful",
     "max_delay_s",
     "changes_of_mind",
+    "restless",
     "seconds",
 )
 
@@ -210,6 +211,7 @@ def _rows(results: Sequence[Result]) -> Iterator[dict[str, object]]:
                 "faithful": all(judged) if judged else None,
                 "max_delay_s": max(delays, default=None),
                 "changes_of_mind": max(kept["changes_of_mind"].values(), default=0),
+                "restless": len(kept["restless"]),
             }
         yield row
 

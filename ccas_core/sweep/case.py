@@ -27,7 +27,7 @@ from ..sim.voyage import undisturbed_times, voyage
 from ..tapd.ruleset import AbstractRuleset
 from .alone import could_avoid
 from .borders import with_border
-from .changes import actions, changes_of_mind
+from .changes import actions, changes_of_mind, restless
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from .groups import draw_junction, draw_reach
 from .spec import TWO_SHIPS, Cell, Draw, Sweep, Variant
@@ -144,7 +144,8 @@ def sail(
         "ships": found["ships"],
         "undisturbed_s": {str(id_): time for id_, time in undisturbed_times(sailed).items()},
         "encounters": _judged(sailed, found["encounters"]),
-        "changes_of_mind": changes_of_mind(frames),
+        "changes_of_mind": (changes := changes_of_mind(frames)),
+        "restless": restless(changes, [met["ships"] for met in found["encounters"]]),
         "actions": actions(frames),
         "periods": len(frames),
         "seconds": time.perf_counter() - began,

@@ -3,11 +3,13 @@
 A command counts as one of three, for course and for speed: to starboard, to port, neither; slower or not.
 A change of mind is a turn from one side to the other, or a reduction of speed taken up again after
 it was given up, without the ship having been on its line at full speed for `REST` periods in between.
+A ship is *restless* if it changes its mind more than `MOST` times for each encounter that it has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Final
 
@@ -16,6 +18,7 @@ from ..sim.frame import Frame
 from ..sim.hulls import states, under_way
 
 REST: Final = 5  # periods after which an action is a new one
+MOST: Final = 2  # changes of mind that an encounter allows a ship
 
 
 def changes_of_mind(frames: Sequence[Frame]) -> dict[str, int]:
@@ -28,6 +31,16 @@ def changes_of_mind(frames: Sequence[Frame]) -> dict[str, int]:
         slow = [int(ship.speed_factor < ACTING_FACTOR) for ship in sailed]
         found[str(id_)] = _turned(sides) + _resumed(slow)
     return found
+
+
+def restless(changes: Mapping[str, int], met: Sequence[Sequence[str]]) -> list[str]:
+    """Ships that change their mind too often; `met` holds the ships of each encounter.
+
+    >>> restless({"a": 3, "b": 3, "c": 1}, [("a", "b"), ("b", "c")])
+    ['a']
+    """
+    encounters = Counter(ship for ships in met for ship in ships)
+    return [ship for ship, count in changes.items() if count > MOST * max(1, encounters[ship])]
 
 
 def actions(frames: Sequence[Frame]) -> dict[str, int]:

@@ -116,6 +116,7 @@ def _rates(cells: Sequence[Mapping[str, Any]]) -> str:
         "mean delay [s]",
         "delay of ships that stand on",
         "most changes of mind",
+        "restless ships",
     )
 
     def share(part: float, whole: float) -> str:
@@ -136,6 +137,7 @@ def _rates(cells: Sequence[Mapping[str, Any]]) -> str:
                 (number(cell["mean_delay_s"], ".1f"), False),
                 (number(cell["mean_stand_on_delay_share"], ".3%"), False),
                 (str(cell["most_changes_of_mind"]), False),
+                (str(cell["restless"]), cell["restless"] > 0),
             ]
             for cell in cells
         ),

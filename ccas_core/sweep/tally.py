@@ -65,6 +65,7 @@ def _entry(group: Sequence[Result]) -> dict[str, Any]:
         "mean_delay_s": _mean(delays),
         "mean_stand_on_delay_share": _mean(stand_on),
         "most_changes_of_mind": max(changes, default=0),
+        "restless": sum(len(kept["restless"]) for kept in done),
         "mean_actions": _mean([float(n) for kept in done for n in kept["actions"].values()]),
         "laws": _laws(done),
     }
@@ -136,12 +137,14 @@ def faults(result: Result) -> tuple[str, ...]:
         found.append("unfaithful")
     if kept["calm"] and kept["acted"]:
         found.append("needless")
+    if kept["restless"]:
+        found.append("restless")
     return tuple(found)
 
 
 def worst(results: Iterable[Result]) -> list[tuple[Result, tuple[str, ...]]]:
     """All cases with a fault, the worst first, then by the least clearance."""
-    order = (*(str(status) for status in Status), *_MARKS, "laws", "unfaithful", "needless")
+    order = (*(str(status) for status in Status), *_MARKS, "laws", "unfaithful", "needless", "restless")
     found = [(each, what) for each in results if (what := faults(each))]
 
     def rank(pair: tuple[Result, tuple[str, ...]]) -> tuple[int, float, str]:

@@ -169,6 +169,7 @@ def kept(**changes: object) -> dict[str, object]:
         "calm": False,
         "acted": True,
         "avoidable": None,
+        "restless": [],
         "encounters": [],
         **changes,
     }
@@ -179,6 +180,7 @@ def test_worst_cases_come_first() -> None:
     results = [
         Result(case, Status.DONE, kept()),
         Result(case, Status.DONE, kept(encounters=[{"faithful": False}])),
+        Result(case, Status.DONE, kept(restless=["ship_1"])),
         Result(case, Status.DONE, kept(entries=1, min_clearance_m=1.0)),
         Result(case, Status.DONE, kept(collisions=1, entries=1)),
         Result(case, Status.TIMEOUT, {"why": "took more than 60 s"}),
@@ -186,7 +188,7 @@ def test_worst_cases_come_first() -> None:
 
     found = [what for _, what in worst(results)]
 
-    assert found == [("timeout",), ("collisions", "entries"), ("entries",), ("unfaithful",)]
+    assert found == [("timeout",), ("collisions", "entries"), ("entries",), ("unfaithful",), ("restless",)]
     assert faults(results[0]) == ()
 
 
