@@ -43,6 +43,8 @@ _STEADY_OFFSET: Final = 0.05  # of a ship that holds [m]: solvers want some room
 _STEADY_FACTOR: Final = 1e-3
 _TURNS: Final = 2  # changes of side in an encounter
 _MUCH: Final = 2.0  # periods that another plan must save to be taken instead of the last
+_RESTED: Final = 10  # periods without an action after which one that follows is a new one
+_RELAPSES: Final = 3  # that make a ship more careful each time
 _RETURNS: Final = (0.0, 0.5, 0.75, 0.875)  # shares of the present offset to which a ship returns at once
 _BETTER: Final = 1.0  # gap that a manoeuvre must gain over the solver's plan to replace it [m]
 
@@ -64,6 +66,8 @@ class Memory:
     resolves: Mapping[ShipId, Resolve] = field(default_factory=dict)
     crossing: float = 0.0  # share of the crossing profile, 0 to 1
     acting: bool = False
+    rested: int = 1000  # periods since it last acted
+    relapses: int = 0  # how often it has acted again without having rested
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,7 +144,7 @@ def take_stance(
             resolve = resolves.get(each.id, Resolve())
             if not resolve.alarmed and _is_last_moment(hull, problem, room, base, each, ahead[n], roles):
                 resolves[each.id] = replace(resolve, alarmed=True)
-    enough = roles.resume_beyond if memory.acting else roles.act_within
+    enough = roles.resume_beyond * 2.0**memory.relapses if memory.acting else roles.act_within
     concerned = [n for n, each in enumerate(seen) if not _relies(each, resolves) and least[n] < enough]
     committed = [
         n
@@ -148,7 +152,7 @@ def take_stance(
         if each.bearing.role is Role.BOTH and _resolve(each, resolves).side and n not in concerned
     ]
     if not concerned and not committed:
-        idle = replace(memory, resolves=resolves, acting=False)
+        idle = replace(memory, resolves=resolves, acting=False, rested=memory.rested + 1)
         return _hold(problem, hold, len(seen), idle)
     until = _until(ahead[[*concerned, *committed]], enough)
     hand = at_hand(problem, base, until)
@@ -159,7 +163,7 @@ def take_stance(
     offset_limits, speed_limits = _limits(problem, active, resolves, until, roles)
     for n in concerned:
         id_ = seen[n].id
-        if id_ is not None and _must_slow(problem, seen[n], resolves, roles):
+        if id_ is not None and _must_slow(problem, seen[n], active, resolves, roles):
             resolves[id_] = replace(_resolve(seen[n], resolves), slowed=True)
     limited = replace(problem, offset_limits=offset_limits, speed_limits=speed_limits)
     crossing = _share(memory, active)
@@ -170,8 +174,21 @@ def take_stance(
         gains=tuple(_gain(each, resolves, roles) for each in seen),
         starts=(starts := _starts(hull, limited, room, last, seen, hand, worst, roles)),
         anchor=starts[0],
-        memory=Memory(resolves=resolves, crossing=crossing, acting=True),
+        memory=Memory(
+            resolves=resolves,
+            crossing=crossing,
+            acting=True,
+            rested=0,
+            relapses=_relapses(memory),
+        ),
     )
+
+
+def _relapses(memory: Memory) -> int:
+    """Count relapses of a ship that acts: after each it returns to its line with twice the gap only."""
+    if memory.acting:
+        return memory.relapses
+    return min(memory.relapses + 1, _RELAPSES) if memory.rested < _RESTED else 0
 
 
 def safest(
@@ -326,15 +343,25 @@ def _limits(
         offset[:until, 0] = np.minimum(roles.visible_offset, offset[:until, 1] - _STEADY_OFFSET)
     elif sides == {-1}:
         offset[:until, 1] = np.maximum(-roles.visible_offset, offset[:until, 0] + _STEADY_OFFSET)
-    if any(_must_slow(problem, each, resolves, roles) for each in active):
+    if any(_must_slow(problem, each, active, resolves, roles) for each in active):
         speed[0, 1] = roles.visible_factor
     return offset, speed
 
 
-def _must_slow(problem: LocalProblem, each: Seen, resolves: Mapping[ShipId, Resolve], roles: Roles) -> bool:
-    """Whether a ship is to show by its speed that it gives way: crossing, or without room to go aside."""
+def _must_slow(
+    problem: LocalProblem,
+    each: Seen,
+    active: Sequence[Seen],
+    resolves: Mapping[ShipId, Resolve],
+    roles: Roles,
+) -> bool:
+    """Whether a ship is to show by its speed that it gives way: crossing, or without room to go aside.
+
+    Crossing one ship alone, it does so until its line is clear at full speed: what it loses at once it need
+    not lose later by fits and starts.  Among several it does so once, or it might never get through.
+    """
     resolve = _resolve(each, resolves)
-    if each.bearing.role not in _OBLIGED or resolve.slowed:
+    if each.bearing.role not in _OBLIGED or (resolve.slowed and not (each.crosses and len(active) == 1)):
         return False
     low, high = problem.offset_limits[0]
     aside = high if resolve.side > 0 else -low

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -142,6 +143,30 @@ def test_a_ship_that_gives_way_in_a_crossing_slows_down_at_once_and_visibly() ->
     assert found.speed_limits[0, 1] == ROLES.visible_factor
     assert found.memory.resolves[OTHER].slowed
     assert found.settings.weights.K_y == ROLES.crossing.K_y
+
+
+def test_a_ship_that_crosses_one_other_stays_slow_until_its_line_is_clear() -> None:
+    slowed = Memory(resolves={OTHER: Resolve(slowed=True)}, acting=True)
+    another = replace(met(Role.GIVE_WAY, Geometry.CROSSING, ACROSS), id=ShipId("third"))
+    both = [met(Role.GIVE_WAY, Geometry.CROSSING, ACROSS), another]
+    before = replace(slowed, resolves={each.id: Resolve(slowed=True) for each in both if each.id})
+
+    alone = stance(both[0], slowed)
+    among_two = take_stance(HULL, problem(), ROOM, None, both, before, ROLES)
+
+    assert alone.speed_limits[0, 1] == ROLES.visible_factor
+    assert among_two.speed_limits[0, 1] == 1.0  # or it might never get through
+
+
+def test_a_ship_that_acts_again_soon_returns_with_twice_the_gap_only() -> None:
+    seen = met(Role.GIVE_WAY, Geometry.HEAD_ON, AHEAD)
+    clear = met(Role.GIVE_WAY, Geometry.HEAD_ON, CLEAR)  # by 59 m
+
+    soon, later = (stance(seen, Memory(rested=rested)).memory for rested in (2, 50))
+
+    assert (soon.relapses, later.relapses) == (1, 0)
+    assert not stance(clear, Memory(acting=True, rested=0)).memory.acting
+    assert stance(clear, Memory(acting=True, rested=0, relapses=2)).memory.acting
 
 
 def test_a_ship_without_room_to_go_aside_shows_by_its_speed_that_it_gives_way() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -91,6 +92,17 @@ def test_a_case_is_the_same_wherever_it_is_sailed_and_its_file_replays_it(tmp_pa
 
     assert {**once, "seconds": 0} == {**twice, "seconds": 0}
     assert load_scenario(file).ships == scenario(case, rulesets).ships
+
+
+def test_a_crossing_ship_slows_down_once_and_not_by_fits_and_starts() -> None:
+    sweep = replace(load_sweep(path("sweeps/two_ship_long")), seed=1002)
+    case = next(each for each in cases(sweep) if each.name == "crossing-colregs-00002")
+
+    kept = sail_case(case, program())
+
+    assert kept["changes_of_mind"] == {"ship_1": 0, "ship_2": 0}  # it changed its mind three times
+    assert kept["restless"] == []
+    assert kept["actions"] == {"ship_1": 1, "ship_2": 0}
 
 
 def test_another_seed_or_another_code_is_another_case() -> None:
