@@ -26,7 +26,7 @@ from .case import cases, geometry, is_two_ships, scenario
 from .executor import execute
 from .journal import FILE, Journal
 from .spec import Sweep
-from .tally import Result, faults, summary, worst
+from .tally import Result, faults, price, summary, worst
 from .task import Program, sail_case
 from .workers import Status
 
@@ -130,6 +130,8 @@ def run_jointly(
     found = {case.name: journal.results[key] for key, case in wanted.items() if key in journal.results}
     keys = {case: key for key, case in wanted.items() if case.name not in found}
     progress = Progress(len(wanted), len(found))
+    if wanted:
+        tell(progress)
     for done in execute(sweep.executor, partial(compare, sent_by=sails), list(keys), _JOINT_DEADLINE):
         result = done.result if done.status is Status.DONE else {"why": str(done.result)}
         if done.status is Status.DONE:
@@ -148,7 +150,7 @@ def write(
     rulesets: Mapping[str, AbstractRuleset],
 ) -> dict[str, Any]:
     """Write table, summary, and the scenario files of all cases with a fault; return the summary."""
-    told = {**summary(sweep.name, sweep.seed, results), "jointly": dict(jointly)}
+    told = {**summary(sweep.name, sweep.seed, results), "price": price(jointly), "jointly": dict(jointly)}
     found: dict[str, Any] = json.loads(json.dumps(plain(told)))
     with explained(folder):
         with (folder / TABLE).open("w", encoding="utf-8", newline="") as file:

@@ -55,7 +55,7 @@ def write_report(
         *_laws(found["cells"]),
         "<h2>Cases with a fault</h2>",
         *_faulty(results),
-        *_jointly(found["jointly"]),
+        *_jointly(found["price"], found["jointly"]),
         *_pictures(results, rulesets),
     ]
     page = (
@@ -187,28 +187,41 @@ def _faulty(results: Sequence[Result]) -> list[str]:
     ]
 
 
-def _jointly(compared: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _jointly(price: Mapping[str, Any], compared: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Groups beside the centralised baseline."""
-    solved = {name: each for name, each in compared.items() if "joint_cost" in each}
-    if not solved:
+    if not compared:
         return []
-    ratios = [
-        each["sailed_cost"] / each["joint_cost"] for each in solved.values() if each["joint_cost"] > 0.0
-    ]
     rows = [
         [
             (name, False),
             ("yes" if each["free"] else "no", not each["free"]),
             (f"{each['joint_cost']:.1f}", False),
             (f"{each['sailed_cost']:.1f}", False),
+            ("yes" if each["converged"] else "no", not each["converged"]),
         ]
-        for name, each in solved.items()
+        for name, each in compared.items()
+        if "joint_cost" in each
     ]
-    median = f", at the median {sorted(ratios)[len(ratios) // 2]:.2f} times" if ratios else ""
+    rows += [
+        [(name, False), (each["why"], True), *[(NOTHING, False)] * 3]
+        for name, each in compared.items()
+        if "joint_cost" not in each
+    ]
+    told = f"{price['solved']} of {price['compared']} cases were solved; {price['free']} have a free answer."
+    if price["costly"]:
+        times = (
+            f"{price['dearer_median']:.2f} times as much at the median, {price['dearer_p90']:.2f} times at"
+        )
+        means = f"{price['mean_sailed_cost']:.1f} against {price['mean_joint_cost']:.1f}"
+        told += (
+            f" In {price['costly']} the joint optimum costs something; what the ships sailed costs {times}"
+            f" the 90th percentile; over all, {means}."
+        )
     return [
-        "<h2>Beside one mind that steers all</h2>",
-        f"<p>Cost over one horizon of what the ships sailed{median} that of the joint optimum.</p>",
-        _table(("case", "a free answer exists", "joint cost", "cost as sailed"), rows),
+        "<h2>The price of being distributed</h2>",
+        "<p class=note>One mind steers all ships: all costs over one horizon, every control free.</p>",
+        f"<p>{_text(told)}</p>",
+        _table(("case", "a free answer exists", "joint cost", "cost as sailed", "converged"), rows),
     ]
 
 

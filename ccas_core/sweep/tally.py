@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,6 +12,7 @@ from .case import Case, geometry
 from .workers import Status
 
 CONFIDENCE: Final = 0.95
+FREE_OF_COST: Final = 1e-3  # a joint optimum below is no measure for what was sailed
 _MARKS: Final = ("collisions", "groundings", "frozen", "entries")  # worst first
 
 
@@ -152,6 +153,37 @@ def worst(results: Iterable[Result]) -> list[tuple[Result, tuple[str, ...]]]:
         return order.index(pair[1][0]), math.inf if clearance is None else clearance, pair[0].case.name
 
     return sorted(found, key=rank)
+
+
+def price(compared: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Sum up what `baseline.compare` says of cases: the price of being distributed.
+
+    `dearer` is the cost as sailed over the joint optimum, where that costs something.
+
+    >>> one = {"free": True, "converged": True, "joint_cost": 10.0, "sailed_cost": 15.0}
+    >>> price({"a": one, "b": {"why": "took too long"}})["dearer_median"]
+    1.5
+    """
+    solved = [each for each in compared.values() if "joint_cost" in each]
+    ratios = sorted(
+        each["sailed_cost"] / each["joint_cost"] for each in solved if each["joint_cost"] > FREE_OF_COST
+    )
+    return {
+        "compared": len(compared),
+        "solved": len(solved),
+        "converged": sum(each["converged"] for each in solved),
+        "free": sum(each["free"] for each in solved),
+        "costly": len(ratios),
+        "dearer_median": _quantile(ratios, 0.5),
+        "dearer_p90": _quantile(ratios, 0.9),
+        "mean_joint_cost": _mean([each["joint_cost"] for each in solved]),
+        "mean_sailed_cost": _mean([each["sailed_cost"] for each in solved]),
+    }
+
+
+def _quantile(values: Sequence[float], share: float) -> float | None:
+    """Quantile of sorted values: the least that so large a share does not exceed."""
+    return values[max(0, math.ceil(share * len(values)) - 1)] if values else None
 
 
 def summary(name: str, seed: int, results: Sequence[Result]) -> dict[str, Any]:

@@ -99,7 +99,9 @@ def sweep(
     teller = _Teller(quiet=quiet)
     results = run(wanted, folder, sails, teller.tell)
     teller.end()
-    jointly = run_jointly(wanted, results, folder, sails, _Teller(quiet=quiet).tell)
+    beside = _Teller(quiet=quiet, what="groups beside one mind")
+    jointly = run_jointly(wanted, results, folder, sails, beside.tell)
+    beside.end()
     found = write(wanted, results, jointly, folder, plugins.rulesets)
     if write_table:
         write_table(results, folder / "cases.parquet")
@@ -131,6 +133,7 @@ class _Teller:
     """Tells on stderr how a sweep goes: rate, time left, failures by kind."""
 
     quiet: bool
+    what: str = "cases"
     began: float = field(default_factory=time.monotonic)
     last: float = 0.0
     written: bool = False
@@ -156,13 +159,12 @@ class _Teller:
         if self.written:
             talk.note("")
 
-    @staticmethod
-    def _line(progress: Progress, seconds: float) -> str:
+    def _line(self, progress: Progress, seconds: float) -> str:
         done = progress.known + progress.done
         rate = progress.done / seconds if seconds > 0.0 else 0.0
         left = f", {_clock((progress.total - done) / rate)} left" if rate > 0.0 else ""
         known = f" ({progress.known} from the journal)" if progress.known else ""
-        return f"{done} of {progress.total} cases{known}, {rate:.1f}/s{left}{_kinds(progress.failures)}"
+        return f"{done} of {progress.total} {self.what}{known}, {rate:.1f}/s{left}{_kinds(progress.failures)}"
 
 
 def _kinds(failures: Counter[str]) -> str:

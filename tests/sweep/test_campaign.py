@@ -12,7 +12,7 @@ from ccas_core import plugins
 from ccas_core.errors import InputError
 from ccas_core.sim.scenario_dump import dump_scenario
 from ccas_core.sim.scenario_file import load_scenario
-from ccas_core.sweep.campaign import Progress, run, write
+from ccas_core.sweep.campaign import Progress, run, run_jointly, write
 from ccas_core.sweep.case import Case, cases, scenario
 from ccas_core.sweep.journal import FILE, Journal, code_digest
 from ccas_core.sweep.report import write_report
@@ -171,6 +171,30 @@ def test_a_wrong_specification_is_told_with_its_place(old: str, new: str, messag
         parse_sweep(SPEC.replace(old, new), "tiny.yaml", {"tran2026"})
 
     assert "tiny.yaml:" in str(error.value)
+
+
+def test_groups_are_set_beside_one_mind_that_steers_all(tmp_path: Path) -> None:
+    groups = SPEC.partition("cells:")[0] + (
+        "jointly: 1\ncells:\n  - {name: junction, draw: junction, ships: [2, 3], count: 2}\n"
+    )
+    sweep, told = parse_sweep(groups), list[tuple[int, int]]()
+    results = run(sweep, tmp_path / "out", program())
+
+    def tell(progress: Progress) -> None:
+        told.append((progress.known, progress.done))
+
+    once = run_jointly(sweep, results, tmp_path / "out", program(), tell)
+    again = run_jointly(sweep, results, tmp_path / "out", program(), tell)
+    summary = write(sweep, results, once, tmp_path / "out", plugins.load().rulesets)
+    page = write_report(sweep, results, summary, tmp_path / "out", plugins.load().rulesets).read_text()
+
+    assert list(once) == ["junction-tran2026-00000"]
+    assert once == again
+    assert told == [(0, 0), (0, 1), (1, 0)]
+    (compared,) = summary["jointly"].values()
+    assert compared["joint_cost"] <= compared["sailed_cost"] + 1e-6
+    assert (summary["price"]["solved"], summary["price"]["free"]) == (1, 1)
+    assert "The price of being distributed" in page
 
 
 def kept(**changes: object) -> dict[str, object]:
