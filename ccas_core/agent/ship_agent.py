@@ -194,7 +194,7 @@ class ShipAgent:
         return judging(self._rulesets, Law(period.own.ruleset))
 
     def _judge(self, period: Period) -> list[Message]:
-        period.reports, period.saw = self._sightings.believed(period.began, period.reports)
+        period.reports, period.saw = self._sightings.believed(period.began, period.own.pose, period.reports)
         period.silent = silent(period.reports.values())
         period.situation = situation = self._situation(period)
         period.judged = assign_by_law(self._rulesets, situation, self.ship.id)

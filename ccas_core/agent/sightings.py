@@ -24,6 +24,7 @@ SILENT_FOR: Final = 200.0  # after so long a ship that has fallen silent is forg
 class _Known:
     report: ShipReport
     time: float  # when it was true [s]
+    away: float  # distance from the own ship, then [m]
 
 
 class Sightings:
@@ -32,14 +33,17 @@ class Sightings:
     def __init__(self) -> None:
         self._known: dict[ShipId, _Known] = {}
         self._odd: dict[ShipId, _Known] = {}  # somewhere else than it can be
+        self._own = 0.0, 0.0  # where the own ship is, north and east [m]
 
     def believed(
-        self, now: float, reports: Mapping[ShipId, ShipReport]
+        self, now: float, own: NedPose, reports: Mapping[ShipId, ShipReport]
     ) -> tuple[dict[ShipId, ShipReport], tuple[str, ...]]:
         """Reports as they are believed at a time [s], and what was found wrong with them.
 
-        Reports of ships that cooperate are taken as they are.
+        Reports of ships that cooperate are taken as they are.  A ship that has gone out of sight behind `own`
+        is not missed.
         """
+        self._own = own.x, own.y
         found = {id_: report for id_, report in reports.items() if report.cooperates}
         said: list[str] = []
         for id_ in sorted(self._known.keys() | (reports.keys() - found.keys())):
@@ -68,21 +72,28 @@ class Sightings:
             report = replace(report, speed=_speed(known, report, now))
         if known is not None and not _may_be(known, report, now):
             odd = self._odd.get(id_)
-            self._odd[id_] = _Known(report, now)
+            self._odd[id_] = self._noted(report, now)
             if odd is None or not _may_be(odd, report, now):
                 away = math.dist(_place(self._reckoned(now, known) or report), _place(report))
                 return self._reckoned(now, known), [*wrong, f"has jumped by {away:.0f} m"]
             wrong.append("is believed where it has jumped to")
         self._odd.pop(id_, None)
-        self._known[id_] = _Known(report, now)
+        self._known[id_] = self._noted(report, now)
         return report, wrong
 
+    def _noted(self, report: ShipReport, now: float) -> _Known:
+        return _Known(report, now, math.dist(self._own, _place(report)))
+
     def _silent(self, now: float, id_: ShipId, known: _Known | None) -> tuple[ShipReport | None, list[str]]:
-        if known is None or now - known.time > SILENT_FOR:
-            self._known.pop(id_, None)
+        reckoned = self._reckoned(now, known)
+        if known is None or reckoned is None:
+            return None, []
+        gone = math.dist(self._own, _place(reckoned)) > known.away
+        if gone or now - known.time > SILENT_FOR:
+            del self._known[id_]
             self._odd.pop(id_, None)
-            return None, ["is forgotten"] if known else []
-        return self._reckoned(now, known), [f"has been silent for {now - known.time:.0f} s"]
+            return None, [] if gone else ["is forgotten"]
+        return reckoned, [f"has been silent for {now - known.time:.0f} s"]
 
     @staticmethod
     def _reckoned(now: float, known: _Known | None) -> ShipReport | None:

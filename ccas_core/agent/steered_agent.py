@@ -113,7 +113,7 @@ class SteeredAgent:
 
     def _decide(self, period: _Period) -> Decision:
         period.done = True
-        reports, saw = self._sightings.believed(period.began, period.reports)
+        reports, saw = self._sightings.believed(period.began, period.own.pose, period.reports)
         settlements = self._judge(period, reports)
         outlook = self._outlook(period, reports, settlements)
         steering, fallback = self._asked(outlook)

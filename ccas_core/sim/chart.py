@@ -12,13 +12,13 @@ from itertools import pairwise
 from typing import Final, Literal
 
 import numpy as np
-import shapely
 
 from ..frames import FloatArray
 from ..ships import ShipId
 from .conduct import KEEPING_FACTOR, KEEPING_OFFSET, is_met
+from .domain_meetings import outline, surge_of
 from .frame import Frame, ShipFrame
-from .hulls import Track, safety_rectangles, track
+from .hulls import Track, track
 from .metrics import guiding_frames, safety_indices
 from .scenario import Scenario
 
@@ -57,6 +57,7 @@ class Sailed:
     track: Track
     style: Style
     speed: float  # nominal [m/s]
+    surges: FloatArray  # (K, 2), times [s] and speeds through the water [m/s]
 
     @property
     def id(self) -> ShipId:
@@ -73,6 +74,13 @@ class Sailed:
         times = np.array([time])
         under_way = (self.track.times[0] <= times) & (times <= self.track.times[-1])
         return self.track.at(times[under_way])
+
+    def domain(self, time: float) -> FloatArray:
+        """Corners of the safety domain at an instant, (n, 2); none where the ship was not under way."""
+        pose = self.at(time)
+        if not len(pose):
+            return np.empty((0, 2))
+        return outline(self.track.ship, pose[0], float(np.interp(time, *self.surges.T)))
 
     def between(self, begin: float, end: float) -> FloatArray:
         """Poses (K, 3) from one instant to another, both included."""
@@ -135,10 +143,20 @@ def sailed(scenario: Scenario, frames: Sequence[Frame]) -> tuple[Sailed, ...]:
     under_way = {id_ for frame in frames for id_ in frame.ships}
     lines = guiding_frames(scenario)
     return tuple(
-        Sailed(track=track(plan.ship, lines[plan.ship.id], frames), style=style(number), speed=plan.speed)
+        Sailed(
+            track=track(plan.ship, lines[plan.ship.id], frames),
+            style=style(number),
+            speed=plan.speed,
+            surges=_surges(frames, plan.ship.id),
+        )
         for number, plan in enumerate(scenario.ships)
         if plan.ship.id in under_way
     )
+
+
+def _surges(frames: Sequence[Frame], id_: ShipId) -> FloatArray:
+    rows = [(frame.time, surge_of(frame.ships[id_])) for frame in frames if id_ in frame.ships]
+    return np.array(rows, dtype=np.float64).reshape(-1, 2)
 
 
 def moments(frames: Sequence[Frame], ships: Sequence[Sailed], count: int = 4) -> tuple[float, ...]:
@@ -204,7 +222,7 @@ def points(
     for ship in ships:
         if ship.id in involved or not involved:
             poses = np.vstack([ship.at(time) for time in times] or [np.empty((0, 3))])
-            found.append(shapely.get_coordinates(safety_rectangles(ship.track.ship, poses)))
+            found += [ship.domain(time) for time in times]
             found.append(np.vstack([bow_arrow(ship, pose) for pose in poses] or [np.empty((0, 2))]))
             found.append(ship.between(min(times, default=0.0), max(times, default=0.0))[:, :2])
     if not any(map(len, found)):

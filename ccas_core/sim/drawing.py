@@ -17,7 +17,7 @@ from ..frames import FloatArray
 from ..ships import ShipId
 from ..waterway import Waters
 from .chart import Duty, Label, Sailed, Style, View, bow_arrow, place
-from .hulls import hulls, safety_rectangles
+from .hulls import hulls
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -65,13 +65,20 @@ def water(axes: Axes, waters: Waters, view: View) -> list[Label]:
 
 
 def hull(axes: Axes, ship: Sailed, time: float) -> None:
-    """Draw a hull to scale, its safety area dashed, and an arrow from its bow; nothing if not under way."""
+    """Draw a hull to scale, its safety domain dashed, and an arrow from its bow; nothing if not under way."""
     pose = ship.at(time)
     if not len(pose):
         return
     own, colour = ship.track.ship, ship.style.colour
-    area = shapely.get_coordinates(safety_rectangles(own, pose))
-    fill(axes, area, fill=False, edgecolor="black", linewidth=THIN, linestyle=DASHED, zorder=_AREAS)
+    fill(
+        axes,
+        ship.domain(time),
+        fill=False,
+        edgecolor="black",
+        linewidth=THIN,
+        linestyle=DASHED,
+        zorder=_AREAS,
+    )
     outline = shapely.get_coordinates(hulls(own, pose))
     fill(axes, outline, facecolor=colour, edgecolor=colour, alpha=0.75, linewidth=THIN, zorder=_AREAS + 1.0)
     _arrow(axes, bow_arrow(ship, pose[0]), colour, head="->", zorder=_AREAS + 1.0)

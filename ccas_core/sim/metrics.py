@@ -21,6 +21,7 @@ from ..priority import Opening, PriorityGraph
 from ..ships import Ship, ShipId
 from ..waterway import guiding_line
 from .conduct import Encounter, Judgement, encounters, judge
+from .domain_meetings import Nearness, nearnesses
 from .frame import Frame
 from .hulls import Meeting, is_grounded, meetings, obstacles_struck, states, track, under_way
 from .remarks import remark_entry, remarks
@@ -172,6 +173,7 @@ def summary(scenario: Scenario, frames: Sequence[Frame], solver: str) -> dict[st
         ],
         "ruleset_switches": list(_switches(frames)),
         "deadlocks": [_deadlock_entry(each) for each in deadlocks(frames, masses)],
+        "domains": [_domain_entry(each) for each in nearnesses(scenario, frames)],
         "remarks": [remark_entry(each) for each in remarks(frames)],
         "update_ms": _update_ms(frames),
     }
@@ -202,6 +204,14 @@ def _encounter_entry(encounter: Encounter, judgement: Judgement) -> dict[str, ob
         "risky": judgement.risky,
         "faithful": judgement.faithful,
         "calm": judgement.calm,
+    }
+
+
+def _domain_entry(nearness: Nearness) -> dict[str, object]:
+    return {
+        "ships": nearness.ships,
+        "min_distance_m": nearness.least,
+        "overlap": nearness.overlap,
     }
 
 

@@ -1,13 +1,13 @@
 """Pictures of a voyage, as the paper's Fig. 5 to 14; `chart` says what they show, `drawing` how it looks.
 
 Functions of a scenario and its frames that return a figure; `draw_run` alone writes.  matplotlib is
-imported here and in `drawing` only, inside functions, without `pyplot` and its global state.
+imported inside functions, without `pyplot` and its global state.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -21,7 +21,6 @@ from .chart import (
     Sailed,
     Scene,
     Style,
-    View,
     duties,
     frame_at,
     framed,
@@ -34,6 +33,7 @@ from .chart import (
     signal,
     style,
 )
+from .domain_plotting import steered
 from .drawing import (
     LARGE,
     NORMAL,
@@ -42,7 +42,6 @@ from .drawing import (
     below,
     beside,
     chart_names,
-    chart_samples,
     dress,
     dress_chart,
     hull,
@@ -53,6 +52,7 @@ from .drawing import (
     water,
 )
 from .frame import Frame
+from .page import NAMED, blank, charts, explain, letter, name_outside
 from .scenario import Scenario
 
 if TYPE_CHECKING:
@@ -62,7 +62,6 @@ if TYPE_CHECKING:
 TALLEST: Final = 9.6  # height of a figure [in]
 CHART_TALLEST: Final = 7.2  # of one chart alone [in]
 DIAGRAMS: Final = 3.1  # of the diagrams below composed charts [in]
-NAMED: Final = 8  # ships that are named; of more, colours and lines would tell nothing
 LOWEST: Final = 6  # ships that are named in the safety index where there are more
 DOTS: Final = 150  # per inch of a picture that is written
 LEAST_RESIDUAL: Final = 1e-6  # residuals below are drawn there [m]
@@ -75,14 +74,14 @@ def paths(
 ) -> Figure:
     """Draw the chart with all tracks, and the ships to scale at some instants (Fig. 5, 6)."""
     shown = scene(scenario, frames, times)
-    figure = _figure(*page_size(shown.view, 1, 1, CHART_TALLEST))
+    figure = blank(*page_size(shown.view, 1, 1, CHART_TALLEST))
     axes = figure.subplots()
     labels = _tracks(axes, shown, shown.times, timed=True)
     dress_chart(axes, shown.view)
     axes.set(**dict(zip(("xlabel", "ylabel"), chart_names(shown.view), strict=True)))
     many = f" ({len(shown.ships)} ships)" if len(shown.ships) > NAMED else ""
     axes.set_title((title or scenario.title or scenario.name) + many, fontsize=LARGE, loc="left")
-    _explain(figure, shown)
+    explain(figure, shown)
     settle(figure, [(axes, labels)])
     return figure
 
@@ -91,15 +90,15 @@ def snapshots(scenario: Scenario, frames: Sequence[Frame], times: Sequence[float
     """Draw a panel an instant, with trails and with arrows from who gives way (Fig. 10 (a) to (d))."""
     shown = scene(scenario, frames, times)
     columns, rows = grid(len(shown.times), shown.view, TALLEST)
-    figure = _figure(*page_size(shown.view, columns, rows, TALLEST))
-    labels = _instants(figure, _charts(figure, columns, rows), columns, shown)
+    figure = blank(*page_size(shown.view, columns, rows, TALLEST))
+    labels = _instants(figure, charts(figure, columns, rows), columns, shown)
     settle(figure, labels)
     return figure
 
 
 def signals(scenario: Scenario, frames: Sequence[Frame]) -> Figure:
     """Draw commanded offset, actual offset and speed factor of every ship over time."""
-    figure = _figure(PAGE, 5.6)
+    figure = blank(PAGE, 5.6)
     ships = sailed(scenario, frames)
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
     _offset_commands(upper, frames, ships)
@@ -119,7 +118,7 @@ def signals(scenario: Scenario, frames: Sequence[Frame]) -> Figure:
 
 def safety_index(scenario: Scenario, frames: Sequence[Frame]) -> Figure:
     """Draw the safety index of every ship over time (Fig. 10 (e)); at or below zero a collision is likely."""
-    figure = _figure(PAGE, 3.4)
+    figure = blank(PAGE, 3.4)
     _index(figure.subplots(), scenario, frames, above=True)
     return figure
 
@@ -129,16 +128,16 @@ def fleet(scenario: Scenario, frames: Sequence[Frame], times: Sequence[float] | 
     shown = scene(scenario, frames, times)
     columns, rows = grid(len(shown.times), shown.view, TALLEST - DIAGRAMS)
     _, height = page_size(shown.view, columns, rows, TALLEST - DIAGRAMS)
-    figure = _figure(PAGE, height + DIAGRAMS)
+    figure = blank(PAGE, height + DIAGRAMS)
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(height, DIAGRAMS))[:, 0]
-    labels = _instants(upper, _charts(upper, columns, rows), columns, shown)
+    labels = _instants(upper, charts(upper, columns, rows), columns, shown)
     diagrams = lower.subplot_mosaic([["e", "f"], ["e", "g"]], sharex=True)
     _index(diagrams["e"], scenario, frames, above=False)
     _offset_commands(diagrams["f"], frames, shown.ships)
     _speed_factors(diagrams["g"], frames, shown.ships)
     diagrams["f"].tick_params(labelbottom=False)
     for number, key in enumerate("efg", start=max(len(shown.times), 1)):
-        diagrams[key].set_title(_letter(number), fontsize=NORMAL, loc="left")
+        diagrams[key].set_title(letter(number), fontsize=NORMAL, loc="left")
     settle(figure, labels)
     return figure
 
@@ -148,7 +147,7 @@ def residuals(runs: Mapping[int, Sequence[Frame]]) -> Figure:
 
     It is the greatest difference of all ships after the last iteration of each update.
     """
-    figure = _figure(PAGE, 3.4)
+    figure = blank(PAGE, 3.4)
     axes = figure.subplots()
     axes.set_yscale("log")
     for number, (iterations, frames) in enumerate(sorted(runs.items())):
@@ -170,7 +169,7 @@ def compare(
 ) -> Figure:
     """Draw the paths of several runs side by side, all in one view (Fig. 7, 9), hulls at `times` [s]."""
     if not panels:
-        return _figure(PAGE, 2.0)
+        return blank(PAGE, 2.0)
     shown = [scene(scenario, frames, times) for _, scenario, frames in panels]
     every = [points(each.scenario, each.frames, each.ships, each.times) for each in shown]
     view = framed(panels[0][1], np.vstack(every))
@@ -178,25 +177,27 @@ def compare(
     if len(panels) > 4:  # many small ones, as in Fig. 7
         view = framed(panels[0][1], np.vstack(every), ratio=1.6)
         columns, rows = 3, math.ceil(len(panels) / 3)
-    figure = _figure(*page_size(view, columns, rows, TALLEST))
-    charts = _charts(figure, columns, rows)
-    for number, (chart, each, (label, _, _)) in enumerate(zip(charts, shown, panels, strict=False)):
+    figure = blank(*page_size(view, columns, rows, TALLEST))
+    drawn = charts(figure, columns, rows)
+    for number, (chart, each, (label, _, _)) in enumerate(zip(drawn, shown, panels, strict=False)):
         _tracks(chart, each, each.times)
-        chart.set_title(f"{_letter(number)} {label}", fontsize=NORMAL, loc="left")
+        chart.set_title(f"{letter(number)} {label}", fontsize=NORMAL, loc="left")
         dress_chart(chart, view)
-    _name_outside(figure, charts, columns, len(panels), view)
-    _explain(figure, shown[0])
+    name_outside(figure, drawn, columns, len(panels), view)
+    explain(figure, shown[0])
     return figure
 
 
 def draw_run(scenario: Scenario, frames: Sequence[Frame], folder: Path) -> tuple[Path, ...]:
     """Write the pictures of a run into its folder: the same frames give the same bytes."""
-    pictures = {
+    pictures: dict[str, Callable[[Scenario, Sequence[Frame]], Figure]] = {
         "paths.png": paths,
         "signals.png": signals,
         "safety_index.png": safety_index,
         "snapshots.png": snapshots,
     }
+    if any(ship.motion is not None for frame in frames[:1] for ship in frame.ships.values()):
+        pictures["steered.png"] = steered
     folder.mkdir(parents=True, exist_ok=True)
     for name, picture in pictures.items():
         picture(scenario, frames).savefig(folder / name, dpi=DOTS, metadata={"Software": None})
@@ -239,11 +240,11 @@ def _instants(
             labels += arrows(panel, shown.ships, duties(shown.frames, time), time, shown.view)
         frame = frame_at(shown.frames, time)
         opened = ", deadlock opened" if frame and frame.openings else ""
-        panel.set_title(f"{_letter(len(written))} {time:.0f} s{opened}", fontsize=NORMAL, loc="left")
+        panel.set_title(f"{letter(len(written))} {time:.0f} s{opened}", fontsize=NORMAL, loc="left")
         dress_chart(panel, shown.view)
         written.append((panel, labels))
-    _name_outside(figure, panels, columns, len(written), shown.view)
-    _explain(figure, shown)
+    name_outside(figure, panels, columns, len(written), shown.view)
+    explain(figure, shown)
     return written
 
 
@@ -310,38 +311,3 @@ def _draw_each(
     width = 1.3 if len(ships) <= NAMED else 0.7
     for ship in ships:
         line(axes, series[ship.id], ship.style, label=ship.name, width=width, steps=steps)
-
-
-# --- page --------------------------------------------------------------------------------------
-
-
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(width, height), layout="constrained")
-
-
-def _charts(figure: FigureBase, columns: int, rows: int) -> list[Axes]:
-    """Panels row by row, all with the same view."""
-    return list(figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).flat)
-
-
-def _name_outside(figure: FigureBase, panels: Sequence[Axes], columns: int, count: int, view: View) -> None:
-    """Name the axes of charts once, and hide the panels that are not used."""
-    x, y = chart_names(view)
-    for number, panel in enumerate(panels):
-        panel.set_visible(number < count)
-        lowest = number + columns >= count
-        panel.tick_params(labelbottom=lowest)
-        panel.set_xlabel(x if lowest else "", fontsize=NORMAL)
-    figure.supylabel(y, fontsize=NORMAL)
-
-
-def _letter(number: int) -> str:
-    return f"({chr(ord('a') + number)})" if number < 26 else f"({number + 1})"
-
-
-def _explain(figure: FigureBase, shown: Scene) -> None:
-    """Explain a chart below it."""
-    ships = samples(shown.ships) if len(shown.ships) <= NAMED else []
-    below(figure, [*ships, *chart_samples(shown.scenario.waters)])

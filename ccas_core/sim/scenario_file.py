@@ -75,7 +75,7 @@ def load_scenario(
     vocabulary
         Facts that ships and waterways may state.
     controllers
-        Controllers of plugins, which ships may name; None: not checked, and without options.
+        Controllers of plugins, which ships may name; None: neither they nor their options are looked at.
 
     Raises
     ------

@@ -78,7 +78,9 @@ def read_control(reader: Reader, node: Node, controllers: Mapping[str, AbstractC
         return Control(by=_steerer(reader, node, controllers))
     block = reader.block(node)
     by = _steerer(reader, block.require("by"), controllers)
-    controller = (controllers or {}).get(by)
+    if controllers is None:  # whatever its options are, they are not looked at
+        return Control(by=by)
+    controller = controllers.get(by)
     options = {}
     for name, option in (controller.options if controller else {}).items():
         if (stated := block.find(name)) is not None:

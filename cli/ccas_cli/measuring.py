@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from ccas_core.controllers import COOPERATIVE
 from ccas_core.dmpc.negotiate import guess
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.solvers import AbstractLocalSolver, Recorder, Task
@@ -171,6 +172,7 @@ def agreement(
     """
     fast, reference = solvers[FAST], solvers[REFERENCE]
     found = [load_scenario(path(name), rulesets) for name in names()]
+    found = [each for each in found if all(plan.control.by == COOPERATIVE for plan in each.ships)]
     for horizon in HORIZONS:
         changed = [replace(each, control=replace(each.control, horizon=horizon)) for each in found]
         # Some differ in their horizon only.

@@ -1,4 +1,4 @@
-"""`ccas reproduce`: the paper's cases sailed anew, its figures drawn, its claims checked."""
+"""`ccas reproduce`: the cases of the two papers sailed anew, figures drawn, claims checked."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .reproduction import CASES, Reproduction
 def reproduce(
     context: typer.Context,
     case: Annotated[
-        str, typer.Argument(metavar="[CASE]", help="table-2, fig-5 to fig-14, wait, or all.")
+        str, typer.Argument(metavar="[CASE]", help="table-2, fig-5 to fig-14, wait, sim-1 to sim-5, or all.")
     ] = "all",
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Where pictures go.")] = Path(
         "reproduction"
@@ -24,9 +24,10 @@ def reproduce(
     solver: inputs.SolverName = None,
     as_json: talk.AsJson = False,
 ) -> None:
-    """Sail the paper's cases anew, draw its figures, and check what its text claims.
+    """Sail the papers' cases anew, draw their figures, and check what their texts claim.
 
-    Prints our figures beside the paper's, then one line for each claim. Exit code 1 if a claim fails.
+    table-2, fig-5 to fig-14 and wait: Tran et al. 2026. sim-1 to sim-5: the dynamic bumper MPC. Prints our
+    figures beside the paper's, then one line for each claim. Exit code 1 if a claim fails.
 
     Example:
         ccas reproduce table-2
@@ -38,9 +39,16 @@ def reproduce(
     if case != "all" and case not in CASES:
         hint = did_you_mean(case, [*CASES, "all"])
         raise InputError(Diagnostic(source="reproduce", message=f"unknown case {case!r}", hint=hint))
-    rulesets = inputs.load_plugins(context).rulesets
+    plugins = inputs.load_plugins(context)
     ready = inputs.ready_solver(solver)
-    made = Reproduction(rulesets=rulesets, solver_name=ready.name, solver=ready, out=out, json=as_json)
+    made = Reproduction(
+        rulesets=plugins.rulesets,
+        solver_name=ready.name,
+        solver=ready,
+        out=out,
+        json=as_json,
+        controllers=plugins.controllers,
+    )
     for name, do in CASES.items():
         if case in (name, "all"):
             do(made)

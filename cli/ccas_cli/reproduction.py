@@ -1,4 +1,4 @@
-"""The cases of the paper: sailed anew, its tables and figures made, its claims checked."""
+"""The cases of the two papers: sailed anew, their tables and figures made, their claims checked."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
-from . import paper, talk
+from . import congested, paper, talk
 from .paper import Claim
 
 if TYPE_CHECKING:
+    from ccas_core.controllers import AbstractController
     from ccas_core.dmpc.parameters import Wait
     from ccas_core.dmpc.solvers import AbstractLocalSolver
     from ccas_core.sim.frame import Frame
@@ -43,13 +44,14 @@ class Picture(Protocol):
 
 @dataclass(slots=True, eq=False)
 class Reproduction:
-    """Sails scenarios of the paper, each at most once in a command."""
+    """Sails scenarios of the papers, each at most once in a command."""
 
     rulesets: Mapping[str, AbstractRuleset]
     solver_name: str
     solver: AbstractLocalSolver
     out: Path
     json: bool
+    controllers: Mapping[str, AbstractController] = field(default_factory=dict)
     cases: dict[str, Case] = field(default_factory=dict)
     findings: dict[str, list[Claim]] = field(default_factory=dict)
     data: dict[str, Any] = field(default_factory=dict)
@@ -64,9 +66,10 @@ class Reproduction:
         key = f"{name} {label}".strip()
         if key not in self.cases:
             talk.note(f"sailing {key} with {self.solver_name}")
-            scenario = load_scenario(path(f"{_SET}/{name}"), self.rulesets)
+            shipped = path(name if "/" in name else f"{_SET}/{name}")
+            scenario = load_scenario(shipped, self.rulesets, controllers=self.controllers)
             scenario = change(scenario) if change else scenario
-            frames = tuple(voyage(scenario, self.rulesets, self.solver))
+            frames = tuple(voyage(scenario, self.rulesets, self.solver, self.controllers))
             self.cases[key] = Case(
                 scenario=scenario, frames=frames, summary=summary(scenario, frames, self.solver_name)
             )
@@ -401,4 +404,6 @@ CASES: Final[dict[str, Callable[[Reproduction], None]]] = {
     "fig-13": _crossing("fig_13"),
     "fig-14": figure_14,
     "wait": wait,
+    "sim-1": congested.simulation_1,
+    **{f"sim-{n}": partial(congested.simulation, f"sim_{n}") for n in (2, 3, 4, 5)},
 }

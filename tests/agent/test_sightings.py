@@ -14,6 +14,7 @@ from ccas_core.world import ShipReport
 
 A = ShipId("a")
 STEP = 20.0  # [s]
+AHEAD = NedPose(5000.0, 0.0, 0.0)  # of all that is seen here
 
 
 def report(x: float, y: float = 0.0, *, course: float = 0.0, speed: float = 3.0) -> ShipReport:
@@ -30,9 +31,9 @@ def report(x: float, y: float = 0.0, *, course: float = 0.0, speed: float = 3.0)
 
 
 def look(
-    sightings: Sightings, period: int, seen: ShipReport | None
+    sightings: Sightings, period: int, seen: ShipReport | None, own: NedPose = AHEAD
 ) -> tuple[ShipReport | None, tuple[str, ...]]:
-    found, said = sightings.believed(STEP * period, {A: seen} if seen else {})
+    found, said = sightings.believed(STEP * period, own, {A: seen} if seen else {})
     return found.get(A), said
 
 
@@ -111,3 +112,11 @@ def test_ship_that_disappears_is_carried_on_and_then_forgotten() -> None:
     assert said == ("a has been silent for 60 s",)
     assert (late, forgotten) == (None, ("a is forgotten",))
     assert look(sightings, 99, None) == (None, ())
+
+
+def test_ship_that_falls_silent_behind_is_not_missed() -> None:
+    sightings = Sightings()
+    astern = NedPose(-900.0, 0.0, 0.0)
+    look(sightings, 0, report(0.0), astern)
+
+    assert look(sightings, 1, None, astern) == (None, ())

@@ -61,6 +61,7 @@ KEYS = {
     "encounters",
     "ruleset_switches",
     "deadlocks",
+    "domains",
     "remarks",
     "update_ms",
 }

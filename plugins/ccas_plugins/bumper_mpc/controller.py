@@ -91,9 +91,9 @@ def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, Seen]:
         targets=tuple(type(target.domain) for target in seen.targets),
         obstacles=len(seen.obstacles),
         ruled=len(seen.rules),
-        solver=str(outlook.options.get("solver", OPTIONS["solver"].default)),
     )
-    fastest = reference.surge if seen.goes_aside(outlook) else outlook.limits.max_speed
+    gives_way = seen.crosses or seen.goes_aside(outlook)
+    fastest = reference.surge if gives_way else outlook.limits.max_speed
     low, high = local.bounds(outlook, reference, state, may_stop=seen.crosses, fastest=fastest)
     surge = seen.surge(outlook, reference.surge)
     sizes = {each: local.sizes_of(each.domain, KINDS[type(each.domain)]) for each in seen.targets}

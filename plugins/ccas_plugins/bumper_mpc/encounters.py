@@ -26,7 +26,8 @@ OPPOSITE: Final = 157.5 * DEGREE  # theta_2: courses that are nearly opposite [r
 ALIKE: Final = 67.5 * DEGREE  # theta_3: courses so near that who comes up from astern overtakes [rad]
 BEFORE: Final = 112.5 * DEGREE  # theta_4: a ship abaft of this bearing is not faced [rad]
 LEAD: Final = 12.0  # ship lengths' time that both sail until a ship is avoided
-MARGIN: Final = 0.3  # of the own length, beside what domains need
+MARGIN: Final = 0.3  # of the own length, beside what domains need abeam of one another
+ASTERN: Final = 1.2  # of the own length, beside the same, astern of a ship that crosses: the bow points there
 
 _OBLIGED: Final = (Role.GIVE_WAY, Role.BOTH)
 _SIDES: Final = {  # on which side of the other the own ship passes, seen along its path: +1 starboard
@@ -109,7 +110,8 @@ def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray, before:
 
 def _rule(outlook: Outlook, target: Target, geometry: Geometry, direction: tuple[float, float]) -> Rule:
     course = target.pose.course
-    needed = breadth(outlook, target) + MARGIN * outlook.hull.length
+    margin = ASTERN if geometry is Geometry.CROSSING else MARGIN
+    needed = breadth(outlook, target) + margin * outlook.hull.length
     return Rule(
         geometry=geometry,
         place=(target.pose.x, target.pose.y),

@@ -59,7 +59,6 @@ OPTIONS: Final[Mapping[str, Option]] = {
     "knows_current": Option(
         meaning="whether the current is compensated", default="yes", choices=("yes", "no")
     ),
-    "solver": Option(meaning="of the optimisation", default="ipopt", choices=("ipopt", "fatrop")),
 }
 
 

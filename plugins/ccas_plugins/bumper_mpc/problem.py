@@ -2,7 +2,7 @@
 
 Everything is in a frame that begins at the own ship and lies along its path: x along, y to starboard.  A
 programme is built once for each shape of problem, and then called like a function of parameters and guess.
-Variables go by stages (state, control, state, ...), so that FATROP can solve it as well.
+Variables go by stages: state, control, state, ..., state.
 """
 
 from __future__ import annotations
@@ -26,8 +26,6 @@ TARGET: Final = 9  # x, y, velocities, cosine and sine of the course, speed, dom
 RULED: Final = 8  # x, y, velocities of whoever a rule is about; direction (2), distance, weight
 OBSTACLE: Final = 3  # x, y, radius
 DOMAIN: Final = 2
-_TOLERANCE: Final = 1e-5
-_ITERATIONS: Final = 80
 _TINY: Final = 1e-9  # keeps the root of a squared distance from an infinite slope at zero [m^2]
 
 # Weights of (B10), of squares without units: lengths over the ship's, speeds over the nominal one.
@@ -57,7 +55,6 @@ class Shape:
     targets: tuple[type[AbstractDomain], ...]
     obstacles: int
     ruled: int  # safe distances that rules ask for
-    solver: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +62,6 @@ class Programme:
     """A problem, ready to be solved again and again."""
 
     solve: ca.Function
-    constraints: int  # besides the dynamics
     equalities: FloatArray  # which constraints are equalities, (m,) as 0 or 1
 
 
@@ -111,33 +107,25 @@ def programme(shape: Shape) -> Programme:
         *([ca.vec(ruled)] if shape.ruled else []),
     )  # fmt: skip
     problem = {"x": ca.vertcat(*variables), "f": value, "g": ca.vertcat(*rows), "p": parameters}
-    equalities = np.array(equal)
-    solve = ca.nlpsol("bumper", shape.solver, problem, _settings(shape.solver, equalities))
-    return Programme(solve=solve, constraints=len(equalities), equalities=equalities)
+    solve = ca.nlpsol("bumper", "ipopt", problem, _SETTINGS)
+    return Programme(solve=solve, equalities=np.array(equal))
 
 
-def _settings(solver: str, equalities: FloatArray) -> dict[str, Any]:
-    common: dict[str, Any] = {"print_time": False, "error_on_fail": False}
-    if solver == "fatrop":
-        return {
-            **common,
-            "structure_detection": "auto",
-            "equality": [bool(each) for each in equalities],
-            "fatrop": {"print_level": 0, "tol": _TOLERANCE, "max_iter": _ITERATIONS},
-        }
-    return {
-        **common,
-        "ipopt": {
-            "print_level": 0,
-            "sb": "yes",
-            "tol": _TOLERANCE,
-            "acceptable_tol": 1e-3,
-            "acceptable_iter": 5,
-            "max_iter": _ITERATIONS,
-            "warm_start_init_point": "yes",
-            "mu_strategy": "adaptive",
-        },
-    }
+_SETTINGS: Final[dict[str, Any]] = {
+    "print_time": False,
+    "error_on_fail": False,
+    "ipopt": {
+        "print_level": 0,
+        "sb": "yes",
+        "tol": 1e-5,
+        "acceptable_tol": 1e-3,
+        "acceptable_iter": 5,
+        "max_iter": 80,
+        "max_wall_time": 1.0,  # [s]
+        "warm_start_init_point": "yes",
+        "mu_strategy": "adaptive",
+    },
+}
 
 
 def _domain(kind: type[AbstractDomain], sizes: ca.SX) -> AbstractDomain:
