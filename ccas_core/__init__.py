@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from .plugins import Plugins as Plugins
     from .plugins import load
     from .priority import PriorityGraph as PriorityGraph
+    from .regions import Hysteresis as Hysteresis
+    from .regions import Law as Law
     from .regions import Region as Region
     from .roles import Geometry as Geometry
     from .roles import PassingSide as PassingSide
@@ -95,8 +97,10 @@ _HOMES: Final = {  # module, and the name there if it is another
     "Frame": "sim.frame",
     "Geometry": "roles",
     "Hull": "ships",
+    "Hysteresis": "regions",
     "InputError": "errors",
     "Kind": "verdict",
+    "Law": "regions",
     "Leg": "waterway",
     "NedPose": "frames",
     "Obstacle": "waterway",

@@ -58,10 +58,13 @@ class Region:
     polygon: FloatArray
     precedence: int = 0
     _shape: list[BaseGeometry] = field(init=False, repr=False)  # one, once it is asked for
+    _box: tuple[float, float, float, float] = field(init=False, repr=False)  # least and greatest coordinates
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "polygon", frozen_array(self.polygon))
         object.__setattr__(self, "_shape", [])
+        (south, west), (north, east) = self.polygon.min(axis=0).tolist(), self.polygon.max(axis=0).tolist()
+        object.__setattr__(self, "_box", (south, west, north, east))
 
     @property
     def law(self) -> Law:
@@ -81,6 +84,9 @@ class Region:
 
     def holds(self, pose: NedPose) -> bool:
         """Whether a position lies in the region, its border included."""
+        south, west, north, east = self._box
+        if not (south <= pose.x <= north and west <= pose.y <= east):
+            return False  # most are far away, and that is told at once
         from shapely import intersects_xy
 
         return bool(intersects_xy(self.shape, pose.x, pose.y))

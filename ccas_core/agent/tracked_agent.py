@@ -25,7 +25,7 @@ def sighted(ship: Ship, line: GuidingLine, waters: Waters, sensed: Sensed) -> Sh
         speed=sensed.speed,
         waterway=leg.waterway,
         towards=leg.towards,
-        ruleset=waters.ruleset_at(pose) if known else waters.ruleset,
+        ruleset=waters.ruleset_at(pose) if known else waters.laws.laws[0].ruleset,
         cooperates=False,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 Point: TypeAlias = tuple[float, float]  # north, east [m]
 _COORDINATE: Final = Range(at_least=-1e7, at_most=1e7)
 _SAME_POINT: Final = 1e-3  # [m]
+_LEAST_EXTENT: Final = 5.0  # of a waterway or a region that can be meant in metres [m]
+IN_DEGREES: Final = "a position in degrees is {lonlat: [longitude, latitude]}, throughout the file"
 _FARTHEST: Final = 500.0 * KILOMETRE  # from the first lonlat position: there the plane is still flat enough
 
 
@@ -45,6 +48,18 @@ class Plane:
             if math.dist(before, point) < _SAME_POINT:
                 self._reader.refuse(place, "the same point as the one before", hint="remove one")
         return points
+
+    def may_be_degrees(self, points: Sequence[Point]) -> bool:
+        """Whether points that were read as metres are no larger than degrees are."""
+        in_range = all(abs(north) <= 90.0 and abs(east) <= 180.0 for north, east in points)
+        return in_range and not self.in_degrees
+
+    def are_degrees(self, points: Sequence[Point]) -> bool:
+        """Whether they may be, and are besides smaller than any ship, and away from the origin."""
+        spans = [(min(each), max(each)) for each in zip(*points, strict=True)]
+        around_origin = all(low <= 0.0 <= high for low, high in spans)
+        extent = max((high - low for low, high in spans), default=0.0)
+        return extent < _LEAST_EXTENT and not around_origin and self.may_be_degrees(points)
 
     def point(self, node: Node) -> Point:
         """A position as north and east [m]."""

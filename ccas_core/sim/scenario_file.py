@@ -26,7 +26,7 @@ from ..units import DEGREE, wrap
 from ..waterway import GuidingLine, Leg, Obstacle, Towards, Waters, Waterway, guiding_line
 from ..yaml_nodes import Node
 from ..yaml_nodes import Sequence as List
-from .plane import Plane, Point
+from .plane import IN_DEGREES, Plane, Point
 from .scenario import BusChoice, ControlChoice, Plan, Profile, Scenario
 from .scenario_facts import read_facts
 from .scenario_regions import read_carried, read_hysteresis, read_law, read_region, refuse_together
@@ -146,7 +146,8 @@ def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Wa
         _waterway(reader, each, plane, ids[0], known.vocabulary)
         for each in reader.items(block.require("waterways"), 1)
     ]
-    by_id = {each.id: each for each in reaches if each}
+    well = {each.id: each for each in reaches if each}
+    by_id = {id_: well.get(id_) for id_ in ids[0]}
     regions = [
         read_region(reader, each, plane, ids[1], by_id, known.rulesets, known.regions) for each in drawn_here
     ]
@@ -156,7 +157,7 @@ def _waters(reader: Reader, node: Node, plane: Plane, known: _Known) -> tuple[Wa
     drawn = [each for each in regions if each]
     waters = Waters(
         ruleset=ruleset,
-        waterways=tuple(by_id.values()),
+        waterways=tuple(well.values()),
         regions=tuple(each.region for each in drawn),
         obstacles=tuple(each for each in obstacles if each),
         hysteresis=hysteresis,
@@ -182,7 +183,10 @@ def _waterway(
 
 
 def _centreline(reader: Reader, node: Node, plane: Plane) -> list[Point]:
+    refused = reader.count
     points = plane.points(node, 2)
+    if reader.count == refused and plane.are_degrees(points):
+        reader.refuse(node, "the centreline is shorter than a ship: are these degrees?", hint=IN_DEGREES)
     courses = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(points)]
     places = node.items[1:] if isinstance(node, List) else ()
     for place, (before, after) in zip(places, pairwise(courses), strict=False):

@@ -16,11 +16,10 @@ from ..tapd.ruleset import AbstractRuleset
 from ..waterway import Towards, Waters, Waterway
 from ..yaml_nodes import Node, Scalar
 from ..yaml_nodes import Sequence as List
-from .plane import Plane, Point
+from .plane import IN_DEGREES, Plane, Point
 
 _PRECEDENCE: Final = 1000  # greatest
 _NOT_NEGATIVE: Final = Range(at_least=0.0)
-_SMALLEST: Final = 5.0  # extent of a region that can be meant in metres [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +28,8 @@ class Drawn:
 
     region: Region
     at: Node
-    in_metres: bool  # drawn here, and not in degrees
+    small: bool = False  # its numbers are no larger than those of degrees
+    tiny: bool = False  # and it is smaller than any ship
 
 
 def read_law(reader: Reader, node: Node, rulesets: Collection[str] | None) -> str:
@@ -88,11 +88,14 @@ def read_region(
     node: Node,
     plane: Plane,
     ids: dict[str, Node],
-    waterways: Mapping[str, Waterway],
+    waterways: Mapping[str, Waterway | None],
     rulesets: Collection[str] | None,
     offered: Mapping[str, Region],
 ) -> Drawn | None:
-    """A region that is drawn here, by a polygon or along a waterway, or one of a plugin, by its id."""
+    """A region that is drawn here, by a polygon or along a waterway, or one of a plugin, by its id.
+
+    `waterways` are those of the file, by their ids; None stands for one that was refused.
+    """
     if isinstance(node, Scalar) and not node.is_null:
         return _offered(reader, node, ids, rulesets, offered)
     block = reader.block(node)
@@ -107,13 +110,15 @@ def read_region(
         points = _stretch(reader, stretch, waterways)
     else:
         points = _corners(reader, border, plane) if border else []
-    if not block.done():
+    if not block.done() or not points:
         return None
     if border and not _is_ring(points):
         reader.refuse(border, "the polygon crosses itself or has no area", hint="go once around the region")
         return None
     region = Region(id=id_, ruleset=ruleset, polygon=np.array(points), precedence=precedence)
-    return Drawn(region=region, at=border or node, in_metres=bool(border) and not plane.in_degrees)
+    if border is None:
+        return Drawn(region=region, at=node)
+    return Drawn(region=region, at=border, small=plane.may_be_degrees(points), tiny=plane.are_degrees(points))
 
 
 def _offered(
@@ -132,7 +137,7 @@ def _offered(
         reader.refuse(node, message, hint=did_you_mean(region.law.ruleset, rulesets))
     elif region:
         _refuse_version(reader, node, region.law, rulesets)
-    return Drawn(region=region, at=node, in_metres=False) if region else None
+    return Drawn(region=region, at=node) if region else None
 
 
 def _corners(reader: Reader, node: Node, plane: Plane) -> list[Point]:
@@ -150,14 +155,14 @@ def _is_ring(points: Sequence[Point]) -> bool:
     return len(set(points)) >= 3 and Polygon(points).is_valid
 
 
-def _stretch(reader: Reader, node: Node, waterways: Mapping[str, Waterway]) -> list[Point]:
+def _stretch(reader: Reader, node: Node, waterways: Mapping[str, Waterway | None]) -> list[Point]:
     """Corners of a stretch of a waterway, from bank to bank."""
     from shapely import Polygon
 
     block = reader.block(node)
     name = reader.text(along := block.require("waterway"))
     waterway = waterways.get(name)
-    if name and waterway is None:
+    if name and name not in waterways:
         reader.unknown(along, "waterway", name, waterways)
     length = waterway.frame(Towards.END).length if waterway else float("inf")
     first = reader.number(block.optional("from", "0 m"), LENGTH, _NOT_NEGATIVE)
@@ -185,25 +190,10 @@ def refuse_together(reader: Reader, block: Block, waters: Waters, drawn: Sequenc
         reader.refuse(places[id(other)], message, expected="a precedence", hint=hint)
     water = waters.water()
     for each in drawn:
-        if each.in_metres and _looks_like_degrees(each.region) and not _counts(each.region, waters):
-            hint = "a position in degrees is {lonlat: [longitude, latitude]}, throughout the file"
-            reader.refuse(each.at, "the polygon lies on no water: are these degrees?", hint=hint)
+        if each.tiny or (each.small and not each.region.shape.intersects(water)):
+            reader.refuse(each.at, "the polygon lies on no water: are these degrees?", hint=IN_DEGREES)
     hole = waters.laws.uncovered(water)
     if hole is not None:
         message = f"no ruleset is in force at [{hole.y:.0f}, {hole.x:.0f}]: the regions leave a hole"
         hint = "draw a region there, or give the waters a 'ruleset' for all that lies outside"
         reader.refuse(block.find("regions") or Node(0, 0), message, hint=hint)
-
-
-def _looks_like_degrees(region: Region) -> bool:
-    north, east = np.abs(region.polygon).max(axis=0)
-    return bool(north <= 90.0 and east <= 180.0)
-
-
-def _counts(region: Region, waters: Waters) -> bool:
-    """Whether a region lies on water, and is larger than a point: degrees as metres would be that small."""
-    if not region.shape.intersects(waters.water()):
-        return False
-    low, high = region.polygon.min(axis=0), region.polygon.max(axis=0)
-    around_origin = bool(np.all(low <= 0.0) and np.all(high >= 0.0))
-    return around_origin or float((high - low).max()) >= _SMALLEST

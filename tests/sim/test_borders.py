@@ -159,16 +159,16 @@ def border(ruleset: str = "ccnr", east: float = 0.0) -> Region:
 
 def head_on(bus: BusChoice | None = None) -> Scenario:
     on = replace(waters(), ruleset="bpr", regions=(border(),))
-    of = scenario(plan(A, EAST, before=900.0, aside=5.0), plan(B, WEST, before=700.0, aside=5.0), on=on)
+    of = scenario(plan(A, EAST, before=900.0, aside=5.0), plan(B, WEST, before=700.0, aside=-5.0), on=on)
     return replace(of, control=QUICK, bus=bus or BusChoice())
 
 
 def test_ships_with_two_charts_fall_back_and_agree_again_where_the_charts_do(
     monkeypatch: pytest.MonkeyPatch, solver: AbstractLocalSolver
 ) -> None:
-    """Ship b has an old chart, on which the border lies 600 m further west."""
+    """Ship b has an old chart, with the border 600 m further west; after a while it gets the new one."""
     of = head_on()
-    whole = ShipAgent.__init__
+    whole, outdated = ShipAgent.__init__, list[ShipAgent]()
 
     def with_chart(
         self: ShipAgent,
@@ -181,15 +181,21 @@ def test_ships_with_two_charts_fall_back_and_agree_again_where_the_charts_do(
     ) -> None:
         mine = replace(chart, regions=(border(east=-600.0),)) if ship.id == B else chart
         whole(self, ship, line, speed, mine, aboard, own)
+        if ship.id == B:
+            outdated.append(self)
 
     monkeypatch.setattr(ShipAgent, "__init__", with_chart)
-    frames = list(itertools.islice(voyage(of, RULESETS, solver), 30))
-    told = [settlement.fallback for frame in frames for settlement in frame.settlements]
+    sailing = voyage(of, RULESETS, solver)
+    frames = list(itertools.islice(sailing, 5))
+    outdated[0]._waters = of.waters  # type: ignore[misc]
+    frames += itertools.islice(sailing, 5)
+    laws = [each.one.ruleset for frame in frames for each in frame.settlements]
+    told = [each.fallback for frame in frames for each in frame.settlements]
 
-    assert told[0] == "a judges by bpr 2026.6.17, b by ccnr 2022.3.26"
+    assert told == ["a judges by bpr 2026.6.17, b by ccnr 2022.3.26"] * 5 + [""] * 5
+    assert laws == ["bpr"] * 10
     log = law_log(of, frames)
-    assert (log.two_laws, log.both_stand_on) == (0, 0)
-    assert log.fallbacks > 0
+    assert (log.two_laws, log.both_stand_on, log.fallbacks, log.law_changes) == (0, 0, 5, 1)
 
 
 def test_ships_come_together_again_where_messages_are_lost(solver: AbstractLocalSolver) -> None:
