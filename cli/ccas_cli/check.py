@@ -39,7 +39,7 @@ def check(
     ],
     as_json: talk.AsJson = False,
 ) -> None:
-    """Say all that is wrong with scenario files, ruleset files and encounter files, without sailing them.
+    """Say all that is wrong with files of scenarios, rulesets, encounters and sweeps, without sailing them.
 
     Every finding has its file, line and column, what was found and what was expected; one with a code has a
     page: `ccas code CODE`. What kind of file it is is told by its first key, `schema`; encounter files have
@@ -109,6 +109,7 @@ def _show(
 def _checks(plugins: Plugins) -> dict[str, Check]:
     """How to check a file, by its schema."""
     from ccas_core.sim import scenario_file
+    from ccas_core.sweep import spec
     from ccas_core.tapd import tests_file
     from ccas_core.tapd.ruleset_draft import SCHEMA
 
@@ -117,6 +118,7 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
         rulesets=plugins.rulesets,
         regions=plugins.regions,
         vocabulary=plugins.vocabulary,
+        controllers=plugins.controllers,
     )
 
     def check_scenario(text: str, source: str) -> Iterable[BorderNote]:
@@ -124,10 +126,18 @@ def _checks(plugins: Plugins) -> dict[str, Check]:
 
     return {
         scenario_file.SCHEMA: check_scenario,
+        spec.SCHEMA: partial(_check_sweep, plugins),
         SCHEMA: partial(_check_ruleset, plugins),
         tests_file.SCHEMA: partial(_check_tests, plugins),
         _CASES: partial(_check_cases, plugins),
     }
+
+
+def _check_sweep(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:
+    from ccas_core.sweep.spec import parse_sweep
+
+    parse_sweep(text, source, plugins.rulesets)
+    return ()
 
 
 def _check_ruleset(plugins: Plugins, text: str, source: str) -> Iterable[Diagnostic]:

@@ -143,6 +143,7 @@ def _recomputed(
         plugins.rulesets,
         regions=plugins.regions,
         vocabulary=plugins.vocabulary,
+        controllers=plugins.controllers,
     )
     ships = {ship for pair in pairs for ship in pair}
     rows: dict[float, list[Row]] = {}

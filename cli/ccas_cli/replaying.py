@@ -53,8 +53,13 @@ def replay(
 
     file = _named(out) if out else run / REPLAY
     found = read_run(run)
-    vocabulary = inputs.load_plugins(context).vocabulary
-    scenario = parse_scenario(found.scenario, str(run / SCENARIO), vocabulary=vocabulary)
+    plugins = inputs.load_plugins(context)
+    scenario = parse_scenario(
+        found.scenario,
+        str(run / SCENARIO),
+        vocabulary=plugins.vocabulary,
+        controllers=plugins.controllers,
+    )
     shown = gathered(scenario, found, run)
     size = write_page(shown, file)
     if as_json:

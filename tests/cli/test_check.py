@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ccas_scenarios
 from ccas_cli.border_notes import borders_of
 from ccas_core.plugins import load
 from ccas_core.regions import Region
@@ -19,6 +20,8 @@ from ccas_core.waterway import Waters, Waterway
 
 from . import TWO_SHIPS, ccas
 from .test_cases import CASES, RULESET
+
+SCENARIOS = Path(ccas_scenarios.__file__).parent
 
 
 def test_file_that_is_well_has_no_findings(two_ships: Path) -> None:
@@ -191,6 +194,15 @@ def test_nonsense_is_a_finding(content: bytes, told: str, tmp_path: Path) -> Non
 
     assert done.exit_code == 2
     assert told in done.stdout
+
+
+def test_sweeps_are_checked_and_all_that_is_shipped_is_well(tmp_path: Path) -> None:
+    text = (SCENARIOS / "sweeps" / "border_short.yaml").read_text(encoding="utf-8")
+    file = tmp_path / "sweep.yaml"
+    file.write_text(text.replace("draw: head_on", "draw: headon", 1), encoding="utf-8")
+
+    assert "got 'headon'" in ccas("check", file).stdout
+    assert ccas("check", *(SCENARIOS / part for part in ("sweeps", "tran2026", "zhenjiang"))).exit_code == 0
 
 
 # --- borders --------------------------------------------------------------------------------------

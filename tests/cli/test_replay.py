@@ -65,6 +65,14 @@ def test_page_is_put_where_it_is_asked_for_and_json_tells_what_it_shows(run: Pat
     assert not (run / "replay.html").exists()
 
 
+def test_runs_with_controllers_of_plugins_are_played_and_explained(tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    ccas("simulate", "zhenjiang/sim_2", "--out", run, "--no-pictures", "--quiet")
+
+    assert ccas("replay", run, "--json").exit_code == 0
+    assert ccas("explain", run, "--time", "0").exit_code == 0
+
+
 def test_same_run_gives_the_same_page(run: Path) -> None:
     for name in ("one.html", "two.html"):
         ccas("replay", run, "--out", name)
