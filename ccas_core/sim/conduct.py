@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from ..controllers import TRACKED
+from ..controllers import COOPERATIVE
 from ..frames import FloatArray, NedPose, PathFrame
 from ..priority import Settlement
 from ..roles import Geometry, PassingSide
@@ -111,7 +111,7 @@ def judge(
 ) -> Judgement:
     """Judge one encounter by the definitions of risky, calm and faithful (contract).
 
-    Beside a tracked ship, which is asked nothing, nobody's faithfulness is judged.
+    Beside a ship that does not cooperate nobody's faithfulness is judged.
     """
     plans = {plan.ship.id: plan for plan in scenario.ships}
     now = frames[encounter.begin]
@@ -123,8 +123,8 @@ def judge(
         raise ValueError(f"{encounter.ships} were not under way together at frame {encounter.begin}")
     risky = left_alone.clearance <= RISKY_WITHIN
     faithful = None
-    asked = all(plans[id_].control.by != TRACKED for id_ in encounter.ships)
-    if asked and risky and len(plans) == 2 and encounter.kind in (Kind.GIVE_WAY, Kind.MUTUAL):
+    cooperate = all(plans[id_].control.by == COOPERATIVE for id_ in encounter.ships)
+    if cooperate and risky and len(plans) == 2 and encounter.kind in (Kind.GIVE_WAY, Kind.MUTUAL):
         faithful = _faithful(encounter, plans, frames, lines, left_alone)
     return Judgement(risky=risky, calm=left_alone.clearance > CALM_BEYOND, faithful=faithful)
 

@@ -36,11 +36,21 @@ def could_avoid(sailed: Scenario, frames: Sequence[Frame]) -> bool | None:
     if len(sailed.ships) != 2 or len(offenders) != 1 or not met:
         return None
     (own,) = (plan for plan in sailed.ships if plan is not offenders[0])
+    return could_keep_clear(sailed, frames, own, offenders[0], met[0].begin)
+
+
+def could_keep_clear(
+    sailed: Scenario, frames: Sequence[Frame], own: Plan, other: Plan, begin: int, *, areas: bool = False
+) -> bool:
+    """Whether a manoeuvre at hand, begun at a frame, keeps the hulls apart while the other goes on.
+
+    With `areas`, it has to keep each hull out of the other's safety area as well.
+    """
     settings = chosen(FAITHFUL, sailed.control, sailed.time_step)
     line = guiding_line(sailed.waters, own.route)
-    problem, room = _problem(own, line, frames, met[0].begin, settings)
+    problem, room = _problem(own, line, frames, begin, settings)
     plans = at_hand(problem, problem.last_offset, settings.horizon).paths
-    apart = _apart(sailed, frames[met[0].begin], own, offenders[0], plans)
+    apart = _apart(sailed, frames[begin], own, other, plans, areas=areas)
     afloat = bank_gaps(own.ship.hull, plans, room).min(axis=1) >= -BANK_MARGIN
     return bool(np.any((apart > 0.0) & afloat))
 
@@ -68,14 +78,17 @@ def _problem(
     return problem, line.room_at(ahead, own.ship.hull.beam)
 
 
-def _apart(sailed: Scenario, frame: Frame, own: Plan, other: Plan, plans: FloatArray) -> FloatArray:
-    """Least gap between the hulls of each plan while both ships are under way, (M,) [m]."""
+def _apart(
+    sailed: Scenario, frame: Frame, own: Plan, other: Plan, plans: FloatArray, *, areas: bool
+) -> FloatArray:
+    """Least gap between the hulls, or to areas, of each plan while both ships are under way, (M,) [m]."""
     mine = guiding_line(sailed.waters, own.route).frame
     theirs = guiding_line(sailed.waters, other.route).frame
     track = undisturbed(other, frame.ships[other.ship.id].pose, frame.time, theirs)
     times = frame.time + sailed.time_step * np.arange(plans.shape[1], dtype=np.float64)
     poses = mine.trajectory_to_path(NedTrajectory(track.at(times))).poses
-    gap = gaps(_bare(own.ship.hull), plans, _bare(other.ship.hull), poses)
+    one, two = (plan.ship.hull if areas else _bare(plan.ship.hull) for plan in (own, other))
+    gap = gaps(one, plans, two, poses)
     over = (times[:-1] >= track.times[-1]) | (plans[:, :-1, 0] >= mine.length)
     return np.asarray(np.where(over, np.inf, gap).min(axis=1))
 

@@ -30,6 +30,7 @@ from .borders import with_border
 from .changes import actions, changes_of_mind, restless
 from .draw import Kind, Risk, draw_encounter, undisturbed_meeting
 from .groups import draw_junction, draw_reach
+from .mixed import controllers_of, outcome, with_control
 from .spec import TWO_SHIPS, Cell, Draw, Sweep, Variant
 
 KEPT: Final = ("collisions", "entries", "groundings", "frozen", "min_clearance_m", "min_safety_index_m")
@@ -107,12 +108,14 @@ def _drawn(case: Case) -> Scenario:
     if cell.draw is None:
         found = load_scenario(Path(cell.scenario))
         return replace(found, waters=replace(found.waters, ruleset=case.ruleset))
-    rng = np.random.default_rng([case.seed, zlib.crc32(cell.name.encode()), case.index])
+    name = cell.draw.value if cell.control else cell.name  # all pairings sail the same encounters
+    rng = np.random.default_rng([case.seed, zlib.crc32(name.encode()), case.index])
     if cell.draw is Draw.JUNCTION:
         return draw_junction(rng, cell.ships, case.ruleset)
     if cell.draw is Draw.REACH:
         return draw_reach(rng, cell.ships, case.ruleset)
     drawn = draw_encounter(rng, Kind(cell.draw.value), cell.risk, case.ruleset)
+    drawn = with_control(drawn, cell.control) if cell.control else drawn
     return with_border(rng, drawn, cell.border[1], lacking=cell.lacking) if cell.border else drawn
 
 
@@ -133,13 +136,14 @@ def sail(
 ) -> tuple[tuple[Frame, ...], dict[str, Any]]:
     """Sail a case, and keep what counts of it."""
     began = time.perf_counter()
-    frames = tuple(voyage(sailed, rulesets, solver))
+    frames = tuple(voyage(sailed, rulesets, solver, controllers_of(sailed)))
     found: dict[str, Any] = summary(sailed, frames, solver.name)
     return frames, {
         **{key: found[key] for key in KEPT},
         **_two_ships(sailed, frames),
         "laws": _laws(sailed, frames),
         "avoidable": could_avoid(sailed, frames),
+        "mixed": outcome(sailed, frames, found),
         "count": len(sailed.ships),
         "ships": found["ships"],
         "undisturbed_s": {str(id_): time for id_, time in undisturbed_times(sailed).items()},

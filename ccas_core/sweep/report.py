@@ -22,6 +22,21 @@ FILE: Final = "report.html"
 PICTURED: Final = 6  # worst cases that are sailed again for their pictures
 LISTED: Final = 200
 NOTHING: Final = "-"  # where a number is not defined
+_PAIRINGS_NOTE: Final = (
+    "<p>The same encounters for all.  In brackets: how many of them the first ship alone, acting from the "
+    "start, could have avoided.  Delays and distances from their lines are sums of both ships.</p>"
+)
+PAIRINGS: Final = (
+    "ships",
+    "ruleset",
+    "n",
+    "collisions",
+    "entries",
+    "frozen",
+    "least clearance [m]",
+    "mean delay [s]",
+    "mean distance aside [m]",
+)
 
 _STYLE: Final = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1b2a34;
@@ -53,6 +68,7 @@ def write_report(
         f"<p class=note>Upper bounds are one-sided, at a confidence of {CONFIDENCE:.0%}.</p>",
         _rates(found["cells"]),
         *_laws(found["cells"]),
+        *_mixed(found["mixed"]),
         "<h2>Cases with a fault</h2>",
         *_faulty(results),
         *_jointly(found["price"], found["jointly"]),
@@ -166,6 +182,33 @@ def _laws(cells: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
     note = "<p class=note>A decision is a pair of ships in a period, as the log has it.</p>"
     return ["<h2>Laws</h2>", note, _table(("cell", "ruleset", *good.values(), *bad.values()), rows)]
+
+
+def _mixed(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Pairings of ships that do not all negotiate, side by side."""
+    if not rows:
+        return []
+
+    def number(value: float | None) -> str:
+        return NOTHING if value is None else f"{value:.1f}"
+
+    told = [
+        [
+            (row["pairing"], False),
+            (row["ruleset"], False),
+            (str(row["n"]), False),
+            (f"{row['collisions']} ({row['avoidable_collisions']})", row["avoidable_collisions"] > 0),
+            (f"{row['entries']} ({row['avoidable_entries']})", row["avoidable_entries"] > 0),
+            (str(row["frozen"]), row["frozen"] > 0),
+            *((number(row[key]), False) for key in ("min_clearance", "delay", "aside")),
+        ]
+        for row in rows
+    ]
+    return [
+        "<h2>Who steers the two ships</h2>",
+        _PAIRINGS_NOTE,
+        _table(PAIRINGS, told),
+    ]
 
 
 def _faulty(results: Sequence[Result]) -> list[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from ..agent.events import Conduct
+from ..controllers import RESERVED
 from ..dmpc.parameters import PARAMETERS
 from ..errors import InputError
 from ..findings import read_text
@@ -48,6 +49,7 @@ class Cell:
     breach: Conduct = Conduct.DUTIFUL  # how the ship that is obliged to give way behaves
     border: tuple[str, str] | None = None  # rulesets on either side of a border through two ships' encounter
     lacking: bool = False  # one of the two ships has not the second of these aboard
+    control: tuple[str, str] | None = None  # who steers ship 1 and ship 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +76,9 @@ class Sweep:
     title: str = ""
 
 
-def load_sweep(path: str | Path, rulesets: Collection[str] | None = None) -> Sweep:
+def load_sweep(
+    path: str | Path, rulesets: Collection[str] | None = None, controllers: Collection[str] | None = None
+) -> Sweep:
     """Read a specification.
 
     Raises
@@ -82,10 +86,15 @@ def load_sweep(path: str | Path, rulesets: Collection[str] | None = None) -> Swe
     InputError
         With all that is wrong, each with its place.
     """
-    return parse_sweep(read_text(path, InputError), str(path), rulesets)
+    return parse_sweep(read_text(path, InputError), str(path), rulesets, controllers)
 
 
-def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | None = None) -> Sweep:
+def parse_sweep(
+    text: str,
+    source: str = "sweep",
+    rulesets: Collection[str] | None = None,
+    controllers: Collection[str] | None = None,
+) -> Sweep:
     """Read the text of a specification; `source` is what findings call it."""
     reader = Reader(text, source, InputError)
     root = reader.document(SCHEMA)
@@ -93,7 +102,7 @@ def parse_sweep(text: str, source: str = "sweep", rulesets: Collection[str] | No
     variant_names: dict[str, Node] = {}
     title = root.find("title")
     each_cell = reader.items(root.require("cells"), 1)
-    cells = tuple(_cell(reader, each, names, rulesets) for each in each_cell)
+    cells = tuple(_cell(reader, each, names, rulesets, controllers) for each in each_cell)
     sweep = Sweep(
         name=reader.text(root.require("name")),
         title=reader.text(title) if title else "",
@@ -127,7 +136,13 @@ def _ruleset(reader: Reader, node: Node, rulesets: Collection[str] | None) -> st
     return ruleset
 
 
-def _cell(reader: Reader, node: Node, names: dict[str, Node], rulesets: Collection[str] | None) -> Cell:
+def _cell(
+    reader: Reader,
+    node: Node,
+    names: dict[str, Node],
+    rulesets: Collection[str] | None,
+    controllers: Collection[str] | None,
+) -> Cell:
     block = reader.block(node)
     name = reader.unique(names, block.require("name"), "cell")
     scenario, draw, ships = block.find("scenario"), block.find("draw"), block.find("ships")
@@ -135,6 +150,8 @@ def _cell(reader: Reader, node: Node, names: dict[str, Node], rulesets: Collecti
         reader.refuse(node, "a cell has either 'draw' or 'scenario'", expected="one of the two")
     border = block.find("border")
     sides = [_ruleset(reader, each, rulesets) for each in reader.items(border, 2, 2)] if border else []
+    control = block.find("control")
+    steered = [_steerer(reader, each, controllers) for each in reader.items(control, 2, 2)] if control else []
     bounds = [reader.integer(each, *_SHIPS) for each in reader.items(ships, 2, 2)] if ships else [2, 2]
     cell = Cell(
         name=name,
@@ -145,8 +162,12 @@ def _cell(reader: Reader, node: Node, names: dict[str, Node], rulesets: Collecti
         ships=(min(bounds, default=2), max(bounds, default=2)),
         breach=reader.choice(block.optional("breach", "dutiful"), Conduct),
         border=(sides[0], sides[1]) if len(sides) == 2 else None,
+        control=(steered[0], steered[1]) if len(steered) == 2 else None,
         lacking=reader.flag(lacking := block.optional("lacking", "false")),
     )
+    if control and cell.draw not in TWO_SHIPS:
+        expected = f"'draw' one of {', '.join(TWO_SHIPS)}"
+        reader.refuse(control, "'control' is for encounters of two ships", expected=expected)
     if cell.lacking and not border:
         reader.refuse(lacking, "a ship lacks the ruleset beyond a border", expected="a 'border'")
     if border and cell.draw not in TWO_SHIPS:
@@ -154,6 +175,13 @@ def _cell(reader: Reader, node: Node, names: dict[str, Node], rulesets: Collecti
         reader.refuse(border, "a border is drawn through an encounter of two ships", expected=expected)
     block.done()
     return cell
+
+
+def _steerer(reader: Reader, node: Node, controllers: Collection[str] | None) -> str:
+    by = reader.text(node)
+    if by and controllers is not None and by not in {*RESERVED, *controllers}:
+        reader.unknown(node, "controller", by, [*RESERVED, *controllers])
+    return by
 
 
 def _variant(reader: Reader, node: Node, names: dict[str, Node]) -> Variant:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from .case import Case, geometry
+from .mixed import rows
 from .workers import Status
 
 CONFIDENCE: Final = 0.95
@@ -195,5 +196,6 @@ def summary(name: str, seed: int, results: Sequence[Result]) -> dict[str, Any]:
         "seed": seed,
         "cells": cell_entries(results),
         "failures": dict(sorted(statuses.items())),
+        "mixed": [asdict(row) for row in rows((each.case.under, each.kept) for each in results)],
         "worst": [{"case": each.case.name, "faults": list(what)} for each, what in worst(results)],
     }

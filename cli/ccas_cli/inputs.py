@@ -136,7 +136,7 @@ def read_sweep(name: str, plugins: Plugins) -> Sweep:
 
     path = Path(name)
     file = path if path.is_file() or path.suffix in (".yaml", ".yml") else ccas_scenarios.path(name)
-    found = load_sweep(file, plugins.rulesets)
+    found = load_sweep(file, plugins.rulesets, plugins.controllers)
     cells = tuple(
         replace(cell, scenario=str(scenario_file(cell.scenario))) if cell.scenario else cell
         for cell in found.cells

@@ -110,6 +110,7 @@ def sweep(
         talk.show_json(found)
     else:
         _show(found["cells"], report)
+        _show_pairings(found["mixed"])
     broken = any((cell["laws"] or {}).get("faults") for cell in found["cells"])
     if found["failures"] or broken or any(cell[key] for cell in found["cells"] for key in _DAMAGE):
         raise typer.Exit(Code.FINDINGS)
@@ -178,6 +179,36 @@ def _clock(seconds: float) -> str:
     '1:15'
     """
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def _show_pairings(rows: Sequence[Mapping[str, Any]]) -> None:
+    """Print what each pairing of ships came to, where not all negotiate."""
+    if not rows:
+        return
+    head = (
+        "ships",
+        "ruleset",
+        ">n",
+        ">coll. (avoidable)",
+        ">entries (avoidable)",
+        ">delay [s]",
+        ">aside [m]",
+    )
+    talk.show("\nthe same encounters; delay and distance aside are those of both ships, on average")
+    talk.show_table(
+        head,
+        [
+            (
+                row["pairing"],
+                row["ruleset"],
+                str(row["n"]),
+                f"{row['collisions']} ({row['avoidable_collisions']})",
+                f"{row['entries']} ({row['avoidable_entries']})",
+                *("-" if row[key] is None else f"{row[key]:.0f}" for key in ("delay", "aside")),
+            )
+            for row in rows
+        ],
+    )
 
 
 def _show(cells: Sequence[Mapping[str, Any]], report: Path) -> None:
