@@ -27,7 +27,7 @@ class Option:
     """A number or a word that a scenario may set for a controller."""
 
     meaning: str
-    default: float | str
+    default: float | str | None = None  # None: by the ship, as the meaning says
     quantity: Quantity | None = None  # of a number
     within: Range = ANY  # of a number, SI
     choices: tuple[str, ...] = ()  # of a word

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 Number: TypeAlias = Any  # a float, an array of floats, or a symbol of CasADi: whatever can be reckoned with
 
-SHAPES: Final = ("rectangle", "ellipse", "dynamic_bumper")
 _OUTLINE: Final = 72  # corners of an outline that is round
 _TINY: Final = 1e-12  # keeps the root of a square from an infinite slope at zero
 

@@ -12,14 +12,14 @@ import numpy as np
 
 from ..controllers import COOPERATIVE, RESERVED, AbstractController, Control, Option
 from ..domains import AbstractDomain, DynamicBumper, Ellipse
-from ..quantities import ACCELERATION, ANGLE, LENGTH, SPEED, TIME, YAW_ACCELERATION, YAW_RATE, Range
+from ..quantities import ACCELERATION, ANGLE, NUMBER, SPEED, TIME, YAW_ACCELERATION, YAW_RATE, Range
 from ..ships import Hull
 from ..strict_yaml import Block, Reader
 from ..surge_yaw import Current, Manoeuvrability, usual
 from ..units import DEGREE
 from ..yaml_nodes import Mapping as Keys
 from ..yaml_nodes import Node, Scalar, written
-from .given_track import GivenTrack, recorded
+from .given_track import MADE_GOOD, GivenTrack, recorded
 from .plane import Plane
 
 if TYPE_CHECKING:
@@ -161,16 +161,20 @@ def _row(reader: Reader, node: Node, plane: Plane) -> list[float]:
     block = reader.block(node)
     time = reader.number(block.require("time"), TIME)
     place = block.require("at")
-    lost = isinstance(place, Scalar) and place.text == _UNKNOWN
-    north, east = (math.nan, math.nan) if lost else plane.point(place)
-    more = [math.nan, math.nan] if lost else [0.0, 0.0]
-    for n, key in enumerate(("course", "speed")):
-        if (said := block.find(key)) is not None:
-            more[n] = math.nan
-            if not (isinstance(said, Scalar) and said.text == _UNKNOWN):
-                reader.refuse(said, f"a row says of its {key} only whether it is 'unknown'")
+    north, east = (math.nan, math.nan) if _is_unknown(place) else plane.point(place)
+    more = []
+    for key, quantity in (("course", ANGLE), ("speed", SPEED)):
+        said = block.find(key)
+        if said is None:
+            more.append(MADE_GOOD)
+        else:
+            more.append(math.nan if _is_unknown(said) else reader.number(said, quantity))
     block.done()
     return [time, north, east, *more]
+
+
+def _is_unknown(node: Node) -> bool:
+    return isinstance(node, Scalar) and node.text == _UNKNOWN
 
 
 def current_tree(current: Current) -> dict[str, Tree]:
@@ -210,10 +214,10 @@ def _control_tree(control: Control, controllers: Mapping[str, AbstractController
 
 def _row_tree(row: Sequence[float]) -> dict[str, Tree]:
     time, north, east, course, speed = row
-    lost = not (math.isfinite(north) and math.isfinite(east))
     tree: dict[str, Tree] = {"time": TIME.write(time)}
-    tree["at"] = _UNKNOWN if lost else [LENGTH.write(east).split()[0], LENGTH.write(north).split()[0]]
-    for key, value in (("course", course), ("speed", speed)):
-        if not lost and not math.isfinite(value):
-            tree[key] = _UNKNOWN
+    if math.isnan(north):
+        return {**tree, "at": _UNKNOWN}
+    tree["at"] = [NUMBER.write(east), NUMBER.write(north)]
+    tree["course"] = _UNKNOWN if math.isnan(course) else ANGLE.write(course)
+    tree["speed"] = _UNKNOWN if math.isnan(speed) else SPEED.write(speed)
     return tree

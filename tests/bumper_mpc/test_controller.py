@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -220,3 +222,10 @@ def test_encounters_are_divided_by_sight_and_velocities(
     found = division(np.zeros(2), np.array([6.0, 0.0]), np.array(place), np.array(velocity))
 
     assert found is expected
+
+
+def test_options_are_those_of_the_page() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "bumper-mpc.md").read_text(encoding="utf-8")
+    options = page.partition("## Options")[2].partition("\n## ")[0]
+
+    assert set(re.findall(r"`([a-z_]+)`", options)) - {"control"} == set(CONTROLLER.options)

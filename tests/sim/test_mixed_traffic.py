@@ -21,7 +21,7 @@ from ccas_core.quantities import SPEED
 from ccas_core.roles import Geometry, Role
 from ccas_core.ships import ShipId
 from ccas_core.sim.frame import Frame
-from ccas_core.sim.given_track import GivenTrack, recorded
+from ccas_core.sim.given_track import MADE_GOOD, GivenTrack, recorded
 from ccas_core.sim.metrics import summary
 from ccas_core.sim.scenario import Scenario
 from ccas_core.sim.scenario_dump import dump_scenario
@@ -229,16 +229,18 @@ def test_track_of_a_scenario_is_written_and_read_as_the_same(tmp_path: Path) -> 
     assert one is not None
     assert other is not None
     assert np.array_equal(np.isnan(one.rows), np.isnan(other.rows))
-    assert np.allclose(np.nan_to_num(one.rows[:, :3]), np.nan_to_num(other.rows[:, :3]))
+    assert np.allclose(np.nan_to_num(one.rows), np.nan_to_num(other.rows))
     assert again.ships[0] == of.ships[0]
     assert again.waters.current.north == pytest.approx(of.waters.current.north)
 
 
 def test_track_sails_straight_between_its_rows() -> None:
-    track = GivenTrack(np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [10.0, 0.0, 50.0, 0.0, 0.0]]))
+    track = GivenTrack(np.array([[0.0, 0.0, 0.0, MADE_GOOD, 9.0], [10.0, 0.0, 50.0, MADE_GOOD, math.nan]]))
     pose, speed = track.sailed(4.0)
 
     assert (pose.x, pose.y, pose.course, speed) == pytest.approx((0.0, 20.0, math.pi / 2.0, 5.0))
+    assert track.reported(4.0) == (pose, 9.0)
+    assert math.isnan(track.reported(10.0)[1])
 
 
 @pytest.mark.parametrize(
@@ -275,6 +277,8 @@ def test_recorded_run_is_a_track_of_one_of_its_ships() -> None:
         (", control: tracked, track: {csv: nowhere.csv}", "cannot be read"),
         (", track: [{time: 0 s, at: [0, 0]}, {time: 9 s, at: [9, 0]}]", "only a tracked ship has a track"),
         (", control: tracked, conduct: silent", "only a cooperative ship has a conduct"),
+        (", control: tracked, track: [{time: 0 s, at: [0, 0]}, {time: 0 s, at: [9, 0]}]", "times that rise"),
+        (", control: tracked, track: [{time: 0 s, at: unknown}, {time: 9 s, at: [9, 0]}]", "two rows"),
         (", domain: circle", "one of rectangle, ellipse, dynamic_bumper"),
         (", manoeuvring: {max_speed: 0 m/s}", "out of range"),
     ],

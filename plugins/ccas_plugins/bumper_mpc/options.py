@@ -21,7 +21,7 @@ OPTIONS: Final[Mapping[str, Option]] = {
     ),
     "min_speed": Option(
         meaning="least surge speed, save in a crossing: there it is 0; a fifth of the nominal unless stated",
-        default=-1.0,
+        default=None,
         quantity=SPEED,
         within=_NOT_NEGATIVE,
     ),
@@ -33,25 +33,25 @@ OPTIONS: Final[Mapping[str, Option]] = {
     ),
     "act_within": Option(
         meaning="distance within which a ship is avoided; what both sail in 12 lengths' time unless stated",
-        default=-1.0,
+        default=None,
         quantity=LENGTH,
         within=_NOT_NEGATIVE,
     ),
     "head_on_distance": Option(
         meaning="safe distance across the path, head-on; by default what both domains need",
-        default=-1.0,
+        default=None,
         quantity=LENGTH,
         within=_NOT_NEGATIVE,
     ),
     "overtaking_distance": Option(
         meaning="safe distance across the path, overtaking; by default what both domains need",
-        default=-1.0,
+        default=None,
         quantity=LENGTH,
         within=_NOT_NEGATIVE,
     ),
     "crossing_distance": Option(
         meaning="safe distance astern of a ship that crosses; by default what both domains need",
-        default=-1.0,
+        default=None,
         quantity=LENGTH,
         within=_NOT_NEGATIVE,
     ),
@@ -63,8 +63,8 @@ OPTIONS: Final[Mapping[str, Option]] = {
 
 
 def number(options: Options, name: str) -> float:
-    """Value of an option that is a number."""
-    return float(options.get(name, OPTIONS[name].default))
+    """Value of an option that is a number and has a default."""
+    return float(options.get(name, OPTIONS[name].default or 0.0))
 
 
 def stated(options: Options, name: str, otherwise: float) -> float:
