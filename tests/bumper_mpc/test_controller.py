@@ -168,9 +168,22 @@ def test_ship_that_stands_on_holds_until_the_last_moment_and_then_acts() -> None
     relies = bearing(Role.STAND_ON, Geometry.HEAD_ON)
     sailed = sail(outlook(target(0.0, 140.0, -EAST, 4.0, relies)), 15.0)
     held = [now for now, _ in sailed if abs(now.pose.x) < 0.1 and now.targets[0].pose.y > now.pose.y]
+    apart = [
+        math.hypot(now.targets[0].pose.x - now.pose.x, now.targets[0].pose.y - now.pose.y)
+        for now, _ in sailed
+    ]
 
     assert held[-1].targets[0].pose.y - held[-1].pose.y < 100.0
-    assert least_gap(sailed) > -0.5
+    assert min(apart) > 2.0 * 0.8 * 5.0 - 0.2  # both circles of ships at rest
+
+
+def test_ship_that_is_overtaken_does_not_flee_before_the_domain_of_the_other() -> None:
+    relies = bearing(Role.STAND_ON, Geometry.OVERTAKING)
+    barge = DynamicBumper(length=120.0, full_speed=6.5)
+    behind = replace(target(-120.0, -150.0, EAST, 6.5, relies, barge), hull=Hull(length=120.0, beam=11.0))
+    sailed = sail(outlook(behind), 6.0)  # its domain is far ahead of this ship, its circle passes
+
+    assert max(abs(now.pose.x) for now, _ in sailed) < 0.05
 
 
 def test_static_obstacle_is_gone_round() -> None:

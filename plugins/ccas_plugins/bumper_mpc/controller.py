@@ -30,6 +30,7 @@ class Memory:
 
     increments: FloatArray  # of the last plan, (N, 2)
     seen: Seen
+    relaxed: bool = False  # it did not keep the domains apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +70,7 @@ class BumperController(AbstractController):
         return Steering(
             motion=motions[0],
             plan=local.trajectory(poses),
-            memory=Memory(found.increments, seen),
+            memory=Memory(found.increments, seen, _is_relaxed(found, outlook)),
             outcome=_outcome(found, outlook),
             seconds=time.perf_counter() - began,
         )
@@ -103,7 +104,10 @@ def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, Seen]:
             state,
             local.sizes_of(outlook.domain, KINDS[type(outlook.domain)]),
             reference.stages.ravel(),
-            *(local.target_row(reference, target, sizes[target]) for target in seen.targets),
+            *(
+                local.target_row(reference, target, sizes[target], seen.domain_speed(target))
+                for target in seen.targets
+            ),
             *(local.obstacle_row(reference, each) for each in seen.obstacles),
             *(local.rule_row(reference, rule) for rule in seen.rules),
         ]
@@ -114,12 +118,11 @@ def _stated(outlook: Outlook, memory: Memory | None) -> tuple[_Stated, Seen]:
 def _solved(stated: _Stated, memory: Memory | None) -> _Found:
     """Solve from the last plan; where constraints stay relaxed, from others as well: the least value wins."""
     best: _Found | None = None
-    enough = RELAXED_BY * stated.outlook.hull.length
     for increments in _starts(stated, memory):
         found = _from(stated, increments)
         if found is not None and (best is None or found.value < best.value):
             best = found
-        if best is not None and best.converged and best.relaxed <= enough:
+        if best is not None and best.converged and not _is_relaxed(best, stated.outlook):
             return best
     if best is None:
         raise RuntimeError("no start of the optimisation gave finite numbers")
@@ -151,12 +154,17 @@ def _from(stated: _Stated, increments: FloatArray) -> _Found | None:
 
 
 def _starts(stated: _Stated, memory: Memory | None) -> Iterator[FloatArray]:
-    """Increments to start from: the last plan, going on, and turns to either side, and slowing down."""
+    """Increments to start from: the last plan, going on, and turns to either side, and slowing down.
+
+    Where no start did in the period before, the others are not tried again.
+    """
     horizon = len(stated.low)
     nothing = np.zeros((horizon, 2))
     if memory is not None and len(memory.increments) == horizon:
         yield np.vstack([memory.increments[1:], nothing[:1]])
     yield nothing
+    if memory is not None and memory.relaxed:
+        return
     for turn in (TURN, -TURN):
         yield _turning(stated, turn)
     slowing = nothing.copy()
@@ -179,8 +187,12 @@ def _turning(stated: _Stated, turn: float) -> FloatArray:
     return found
 
 
+def _is_relaxed(found: _Found, outlook: Outlook) -> bool:
+    return found.relaxed > RELAXED_BY * outlook.hull.length
+
+
 def _outcome(found: _Found, outlook: Outlook) -> str:
     """Say what is wrong with a plan; nothing where nothing is."""
-    if found.relaxed > RELAXED_BY * outlook.hull.length:
+    if _is_relaxed(found, outlook):
         return f"no plan keeps the domains apart; the best lacks {found.relaxed:.1f} m"
     return "" if found.converged else "the optimisation did not converge; the best plan found is sailed"

@@ -75,7 +75,9 @@ def division(
     return Geometry.CROSSING if ahead <= BEFORE else Geometry.NONE
 
 
-def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray, before: Rule | None) -> Rule | None:
+def rule_towards(
+    outlook: Outlook, target: Target, velocity: FloatArray, before: Rule | None, *, fails: bool = False
+) -> Rule | None:
     """Say what the rule term asks towards a target; None: nothing.
 
     Parameters
@@ -85,10 +87,15 @@ def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray, before:
     before
         What was asked in the period before.  It stays until the other's domain is behind, although the
         encounter may be over for the rules.
+    fails
+        The other owes way, and does not give it.
     """
     if before is not None and before.geometry is not Geometry.CROSSING and _is_beside(outlook, target):
         return _rule(outlook, target, before.geometry, before.direction)
-    if target.bearing.role not in _OBLIGED or distance_of(outlook, target) > near(outlook, target):
+    acts = fails or (
+        target.bearing.role in _OBLIGED and distance_of(outlook, target) <= near(outlook, target)
+    )
+    if not acts:
         return None
     course = target.pose.course
     along = np.array([math.cos(course), math.sin(course)])
@@ -105,6 +112,8 @@ def rule_towards(outlook: Outlook, target: Target, velocity: FloatArray, before:
     prescribed = target.bearing.passing_side
     side = _USUAL[geometry] if prescribed is None else _SIDES.get(prescribed, _USUAL[geometry])
     path = _path_course(outlook)
+    if geometry is Geometry.OVERTAKING and float(np.dot(velocity, other - own)) < 0.0:
+        side = -side  # this ship is overtaken
     return _rule(outlook, target, geometry, (-side * math.sin(path), side * math.cos(path)))
 
 

@@ -83,13 +83,15 @@ def initial(outlook: Outlook, local: Reference) -> FloatArray:
     return np.array([0.0, 0.0, yaw, outlook.motion.surge, outlook.motion.yaw_rate])
 
 
-def target_row(local: Reference, target: Target, sizes: tuple[float, float]) -> FloatArray:
-    """Row of a target as the programme wants it, (9,)."""
+def target_row(
+    local: Reference, target: Target, sizes: tuple[float, float], domain_speed: float
+) -> FloatArray:
+    """Row of a target as the programme wants it, (9,); its domain is that of a speed [m/s]."""
     course = target.pose.course - local.turn
     cos, sin = math.cos(course), math.sin(course)
     velocity = target.speed * cos, target.speed * sin
     place = _place(local, target.pose.x, target.pose.y)
-    return np.array([*place, *velocity, cos, sin, target.speed, *sizes])
+    return np.array([*place, *velocity, cos, sin, domain_speed, *sizes])
 
 
 def obstacle_row(local: Reference, obstacle: Obstacle) -> FloatArray:

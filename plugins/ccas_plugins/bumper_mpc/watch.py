@@ -1,7 +1,8 @@
 """Which ships the optimisation has to see: those near, and of those that owe way only the ones that fail to.
 
 A ship that stands on relies on the other.  The last moment has come when the time left until the domains
-would meet is no more than what it takes to go aside; from then on it acts until the encounter is over.
+would meet is no more than what it takes to go aside; from then on it acts until the encounter is over.  Of
+the other's domain counts what a ship at rest has: what it has ahead by its speed is for the other to mind.
 """
 
 from __future__ import annotations
@@ -49,6 +50,10 @@ class Seen:
         """Whether the ship is not yet where the rules want it."""
         return any(rule.lacking(outlook.pose) > REACHED * rule.distance for rule in self.rules)
 
+    def domain_speed(self, target: Target) -> float:
+        """Speed that sizes a target's domain [m/s]: none where the other fails its duty."""
+        return 0.0 if target.id in self.alarmed else target.speed
+
     def surge(self, outlook: Outlook, usual: float) -> float:
         """Reference of the surge speed [m/s]: less while the ship goes aside, or lets another pass."""
         wanted = SLOWED * usual if self.goes_aside(outlook) else usual
@@ -66,7 +71,8 @@ def watched(outlook: Outlook, velocity: FloatArray, before: Seen, horizon: int) 
             if target.id not in before.alarmed and not is_last_moment(outlook, target, velocity, horizon):
                 continue
             alarmed.add(target.id)
-        rule = rule_towards(outlook, target, velocity, before.asked.get(target.id)) if ruled else None
+        fails, earlier = target.id in alarmed, before.asked.get(target.id)
+        rule = rule_towards(outlook, target, velocity, earlier, fails=fails) if ruled else None
         if len(targets) < MOST and (rule is not None or _within_reach(outlook, target, horizon)):
             targets.append(target)
             asked |= {target.id: rule} if rule else {}
@@ -94,7 +100,7 @@ def is_last_moment(outlook: Outlook, target: Target, velocity: FloatArray, horiz
     away = apart + times[:, None] * drift
     sight = np.hypot(away[:, 0], away[:, 1]) + 1e-9
     bearings = (*_seen(away, outlook.pose.course), *_seen(-away, course))
-    speeds = outlook.motion.surge, target.speed
+    speeds = outlook.motion.surge, 0.0
     meet = gap(outlook.domain, target.domain, sight=sight, bearings=bearings, speeds=speeds) < 0.0
     if not np.any(meet):
         return False
