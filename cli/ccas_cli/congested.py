@@ -6,28 +6,36 @@ waters, Sec. 4.  Its text has no positions and no tables; `docs/bumper-mpc.md` s
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from .congested_measures import (
+    OWN,
+    cross_track_error,
+    domains_met,
+    is_astern,
+    offset_abeam,
+    offset_beside_obstacle,
+    own_states,
+    room_on_track,
+    slowest,
+    swings,
+    turn_from_path,
+    usual_surge,
+)
 from .paper import Claim
 
 if TYPE_CHECKING:
-    from ccas_core.sim.frame import Frame, ShipFrame
     from ccas_core.sim.scenario import Scenario
 
     from .reproduction import Case, Reproduction
 
 SET: Final = "zhenjiang"
-OWN: Final = "asv"
 MEAN_S: Final = {"sim_2": 0.0181, "sim_3": 0.0172, "sim_4": 0.0192, "sim_5": 0.0235}  # of the paper, Sec. 4.7
 ON_PATH: Final = 0.5  # distance from the path of a ship that is back on it [m]
 ASIDE: Final = 2.0  # offset of a ship that has gone to one side [m]
-SWING: Final = 0.5  # change of speed that counts as one [m/s]
 SLOWER: Final = 0.3  # loss of speed that shows [m/s]
-STEADY: Final = 30  # last periods of the voyage, in which nobody is near any more
 SHOWN: Final = {
     "sim_2": (5.0, 17.0, 24.0, 35.0),
     "sim_3": (0.0, 8.0, 20.0, 32.0),
@@ -46,7 +54,7 @@ def simulation_1(made: Reproduction) -> None:
     for way in ("astern", "ahead"):
         for shape in (Shape.ELLIPSE, Shape.DYNAMIC_BUMPER):
             case = made.sail(f"{SET}/sim_1_{way}", partial(_shaped, shape=shape.value), shape.value)
-            room, time = _room(case)
+            room, time = room_on_track(case)
             overlap = case.summary["domains"][0]["overlap"]
             found[way, shape] = room, overlap
             rows.append(
@@ -55,7 +63,7 @@ def simulation_1(made: Reproduction) -> None:
                     shape.value,
                     f"{room:.1f}",
                     f"{overlap:.1%}",
-                    f"{_slowest(case):.1f}",
+                    f"{slowest(case):.1f}",
                     str(swings(case)),
                 )
             )
@@ -94,8 +102,8 @@ def simulation(name: str, made: Reproduction) -> None:
     case = made.sail(f"{SET}/{name}")
     blind = made.sail(f"{SET}/{name}", _blind, "current not known")
     made.title(f"{case.scenario.title}: simulation {name[-1]}")
-    times = [ms / 1000.0 for now in _own(case.frames) for ms in now.update_ms]
-    error, without = (_cross_track(each) for each in (case, blind))
+    times = [ms / 1000.0 for now in own_states(case.frames) for ms in now.update_ms]
+    error, without = (cross_track_error(each) for each in (case, blind))
     made.table(
         (
             ">mean computation [s]",
@@ -114,8 +122,8 @@ def simulation(name: str, made: Reproduction) -> None:
                 f"{sorted(times)[len(times) // 2]:.4f}",
                 f"{error:.3f}",
                 f"{without:.3f}",
-                f"{min(each['min_distance_m'] for each in _met(case)):.2f}",
-                f"{_slowest(case):.1f}",
+                f"{min(each['min_distance_m'] for each in domains_met(case)):.2f}",
+                f"{slowest(case):.1f}",
                 str(swings(case)),
             )
         ],
@@ -133,18 +141,18 @@ def simulation(name: str, made: Reproduction) -> None:
 
 def _always(case: Case) -> list[Claim]:
     """What must be true of simulations 2 to 5."""
-    last = _own(case.frames)[-1]
+    last = own_states(case.frames)[-1]
     others = len(case.scenario.ships) - 1 + len(case.scenario.waters.obstacles)
-    turned = max(abs(_turn(case, now)) for now in _own(case.frames))
+    turned = max(abs(turn_from_path(case, now)) for now in own_states(case.frames))
     return [
-        Claim("no domains overlap", all(each["overlap"] == 0.0 for each in _met(case))),
+        Claim("no domains overlap", all(each["overlap"] == 0.0 for each in domains_met(case))),
         Claim("no hulls touch, nothing is struck", not any(case.summary[key] for key in _DAMAGE)),
         Claim("the ship returns to its path", abs(last.path_y) < ON_PATH),
         Claim(
             "the speed does not oscillate: it swings twice an encounter at most", swings(case) <= 2 * others
         ),
         Claim("no turn is greater than 40 deg", turned < 40.5),
-        Claim("every plan keeps the domains apart", not any(now.outcome for now in _own(case.frames))),
+        Claim("every plan keeps the domains apart", not any(now.outcome for now in own_states(case.frames))),
     ]
 
 
@@ -152,26 +160,26 @@ def _manoeuvres(name: str, case: Case) -> list[Claim]:
     """What the text says of each simulation."""
     if name == "sim_2":
         return [
-            Claim("it turns to starboard", _abeam(case, "obstacle") > ASIDE),
-            Claim("they pass port to port", _abeam(case, "obstacle") > 0.0),
-            Claim("it slows down", _slowest(case) < _usual(case) - SLOWER),
+            Claim("it turns to starboard", offset_abeam(case, "obstacle") > ASIDE),
+            Claim("they pass port to port", offset_abeam(case, "obstacle") > 0.0),
+            Claim("it slows down", slowest(case) < usual_surge(case) - SLOWER),
         ]
     if name == "sim_3":
         return [
-            Claim("it overtakes on the port side of the other", _abeam(case, "obstacle") < -ASIDE),
-            Claim("it slows down, and then overtakes", _slowest(case) < _usual(case) - SLOWER),
+            Claim("it overtakes on the port side of the other", offset_abeam(case, "obstacle") < -ASIDE),
+            Claim("it slows down, and then overtakes", slowest(case) < usual_surge(case) - SLOWER),
         ]
     if name == "sim_4":
         return [
-            Claim("it turns to port", min(now.path_y for now in _own(case.frames)) < -ASIDE),
-            Claim("it passes astern of the ship that crosses", _astern(case, "obstacle")),
-            Claim("it slows down", _slowest(case) < _usual(case) - SLOWER),
+            Claim("it turns to port", min(now.path_y for now in own_states(case.frames)) < -ASIDE),
+            Claim("it passes astern of the ship that crosses", is_astern(case, "obstacle")),
+            Claim("it slows down", slowest(case) < usual_surge(case) - SLOWER),
         ]
     return [
-        Claim("ship 1 is passed port to port", _abeam(case, "ship_1") > ASIDE),
-        Claim("ship 2 is overtaken on its port side", _abeam(case, "ship_2") < -ASIDE),
-        Claim("ship 3 is passed astern", _astern(case, "ship_3")),
-        Claim("the obstacle is gone round to starboard", _beside_obstacle(case) > ASIDE),
+        Claim("ship 1 is passed port to port", offset_abeam(case, "ship_1") > ASIDE),
+        Claim("ship 2 is overtaken on its port side", offset_abeam(case, "ship_2") < -ASIDE),
+        Claim("ship 3 is passed astern", is_astern(case, "ship_3")),
+        Claim("the obstacle is gone round to starboard", offset_beside_obstacle(case) > ASIDE),
     ]
 
 
@@ -205,110 +213,3 @@ def _blind(scenario: Scenario) -> Scenario:
         for plan in scenario.ships
     )
     return replace(scenario, ships=ships)
-
-
-def _own(frames: Sequence[Frame]) -> list[ShipFrame]:
-    return [ship for frame in frames for id_, ship in frame.ships.items() if id_ == OWN and ship.motion]
-
-
-def _surges(case: Case) -> list[float]:
-    return [now.motion.surge for now in _own(case.frames) if now.motion]
-
-
-def _slowest(case: Case) -> float:
-    return min(_surges(case))
-
-
-def _usual(case: Case) -> float:
-    """Surge speed on the path while nobody is near [m/s]."""
-    return _surges(case)[-1]
-
-
-def _met(case: Case) -> list[dict[str, float]]:
-    """Domains of the own ship and of each other ship and obstacle."""
-    return [each for each in case.summary["domains"] if OWN in each["ships"]]
-
-
-def swings(case: Case) -> int:
-    """How often the surge speed turns from falling to rising by more than `SWING`."""
-    count, falling = 0, False
-    low = high = _surges(case)[0]
-    for surge in _surges(case):
-        if falling:
-            low = min(low, surge)
-            if surge > low + SWING:
-                count, falling, high = count + 1, False, surge
-        else:
-            high = max(high, surge)
-            if surge < high - SWING:
-                falling, low = True, surge
-    return count
-
-
-def _cross_track(case: Case) -> float:
-    """Greatest distance from the path in steady sailing, when all are past [m]."""
-    return max(abs(now.path_y) for now in _own(case.frames)[-STEADY:])
-
-
-def _turn(case: Case, now: ShipFrame) -> float:
-    """Angle between the ship and its path [deg]; the guiding lines are straight."""
-    from ccas_core.units import wrap
-
-    return math.degrees(wrap(now.pose.course - _path_course(case)))
-
-
-def _path_course(case: Case) -> float:
-    from ccas_core.sim.metrics import guiding_frames
-
-    lines = guiding_frames(case.scenario)
-    return next(line.course_at(0.0) for id_, line in lines.items() if id_ == OWN)
-
-
-def _together(case: Case, other: str) -> list[tuple[ShipFrame, ShipFrame]]:
-    found = []
-    for frame in case.frames:
-        ships = {str(id_): ship for id_, ship in frame.ships.items()}
-        if OWN in ships and other in ships:
-            found.append((ships[OWN], ships[other]))
-    return found
-
-
-def _abeam(case: Case, other: str) -> float:
-    """Offset from the path when another ship is abeam, starboard positive [m]."""
-    course = _path_course(case)
-
-    def ahead(pair: tuple[ShipFrame, ShipFrame]) -> float:
-        own, there = (each.pose for each in pair)
-        return abs((there.x - own.x) * math.cos(course) + (there.y - own.y) * math.sin(course))
-
-    return min(_together(case, other), key=ahead)[0].path_y
-
-
-def _astern(case: Case, other: str) -> bool:
-    """Whether the ship was astern of another when it came to its track."""
-    own, there = min(_together(case, other), key=lambda pair: abs(_seen(pair)[1]))
-    return _seen((own, there))[0] < 0.0
-
-
-def _seen(pair: tuple[ShipFrame, ShipFrame]) -> tuple[float, float]:
-    """The own ship as the other sees it: ahead, and to starboard [m]."""
-    own, there = (each.pose for each in pair)
-    north, east = own.x - there.x, own.y - there.y
-    cos, sin = math.cos(there.course), math.sin(there.course)
-    return north * cos + east * sin, east * cos - north * sin
-
-
-def _beside_obstacle(case: Case) -> float:
-    obstacle = case.scenario.waters.obstacles[0]
-    return min(
-        _own(case.frames), key=lambda now: (now.pose.x - obstacle.x) ** 2 + (now.pose.y - obstacle.y) ** 2
-    ).path_y
-
-
-def _room(case: Case) -> tuple[float, float]:
-    """Distance from the other ship, on its track, when the own ship is there [m], and the time [s]."""
-    pairs = [
-        (frame.time, *pair) for frame, pair in zip(case.frames, _together(case, "obstacle"), strict=False)
-    ]
-    time, own, there = min(pairs, key=lambda each: abs(_seen((each[1], each[2]))[1]))
-    return abs(_seen((own, there))[0]), time
