@@ -131,6 +131,20 @@ def test_a_ship_may_go_by_two_laws_towards_two_ships() -> None:
     }
 
 
+def test_a_line_of_ships_meets_one_ship_by_two_laws_as_the_border_passes() -> None:
+    met = {tuple(each["ships"]): each for each in sailed("convoy_of_five").summary["encounters"]}
+    first = [met[f"convoy_{n}", "down_1"] for n in range(1, 6)]
+
+    assert [each["ruleset"] for each in first] == ["ccnr", "ccnr", "bpr", "bpr", "bpr"]
+    assert [each["give_way"] for each in first] == [
+        ["convoy_1"],
+        ["convoy_2"],
+        ["down_1"],
+        ["down_1"],
+        ["down_1"],
+    ]
+
+
 def test_a_ship_without_the_ruleset_falls_back_where_it_holds_and_nowhere_else() -> None:
     decisions = sailed("without_the_new_ruleset").decisions
     met = [
