@@ -12,7 +12,8 @@ from . import inputs, talk
 from .exits import answered
 
 if TYPE_CHECKING:
-    from ccas_core.sim.scenario import Profile
+    from ccas_core.plugins import Plugins
+    from ccas_core.sim.scenario import Profile, Scenario
 
 VOYAGE: Final = "tran2026/fig_12"
 UPDATES: Final = "tran2026/six_ships"
@@ -65,32 +66,30 @@ def bench(
             f"got {str(picture)!r}; expected a .png, .pdf or .svg in a folder that exists"
         )
     from ccas_core.dmpc.solvers import SOLVERS
-    from ccas_core.sim.scenario_file import load_scenario
-    from ccas_scenarios import path
 
     from . import measuring
 
-    rulesets = inputs.load_plugins(context).rulesets
+    plugins = inputs.load_plugins(context)
     solvers = {name: inputs.ready_solver(name) for name in sorted(SOLVERS)}
     fast = solvers[measuring.FAST]
     result: dict[str, Any] = {"machine": measuring.machine(), "start_up": measuring.start_up()}
     talk.note(f"recording local problems of {UPDATES}")
-    tasks = measuring.recorded(load_scenario(path(UPDATES)), rulesets, fast, problems)
+    tasks = measuring.recorded(inputs.read_scenario(UPDATES, plugins), plugins, fast, problems)
     talk.note(f"solving {len(tasks)} problems with each of {', '.join(solvers)}")
     result["update"] = measuring.updates(tasks, solvers)
     result["voyage"] = {"scenario": VOYAGE}
     for name, solver in solvers.items():
         talk.note(f"sailing {VOYAGE} with {name}")
-        seconds = measuring.sailed(load_scenario(path(VOYAGE)), rulesets, solver)
+        seconds = measuring.sailed(inputs.read_scenario(VOYAGE, plugins), plugins, solver)
         result["voyage"][name] = {"seconds": seconds}
     if agreement:
         talk.note(f"recording {agreement} problems or more of all shipped scenarios, and solving them")
         result["agreement"] = []
-        for row in measuring.agreement(rulesets, solvers, agreement):
+        for row in measuring.agreement(_shipped(plugins), plugins, solvers, agreement):
             result["agreement"].append(row)
             talk.note(f"N = {row['horizon']}: {row['problems']} problems, {row['worse']} worse")
     result["scale"] = []
-    for found in measuring.scale(sizes, rulesets, fast, profile=chosen):
+    for found in measuring.scale(sizes, plugins, fast, profile=chosen):
         result["scale"].append(found)
         talk.note(f"{found['ships']} ships: {found['seconds']:.2f} s a period")
     result["growth"] = _growth(result["scale"], "seconds")
@@ -127,6 +126,13 @@ def _profile(name: str) -> Profile:
     if name not in known:
         raise typer.BadParameter(f"--profile: got {name!r}; expected one of {', '.join(known)}")
     return Profile(name)
+
+
+def _shipped(plugins: Plugins) -> list[Scenario]:
+    """All scenarios that come with the program; sweeps, which lie beside them, are none."""
+    from ccas_scenarios import names
+
+    return [inputs.read_scenario(name, plugins) for name in names() if not name.startswith("sweeps/")]
 
 
 def _growth(scale: Sequence[Mapping[str, Any]], key: str) -> float | None:

@@ -16,22 +16,19 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from ccas_core.controllers import COOPERATIVE
 from ccas_core.dmpc.negotiate import guess
 from ccas_core.dmpc.parameters import Start
 from ccas_core.dmpc.solvers import AbstractLocalSolver, Recorder, Task
 from ccas_core.sim.network import network
 from ccas_core.sim.scenario import Profile
 from ccas_core.sim.scenario_dump import dump_scenario
-from ccas_core.sim.scenario_file import load_scenario
 from ccas_core.sim.voyage import voyage
-from ccas_scenarios import names, path
 
 if TYPE_CHECKING:
     from ccas_core.dmpc.local_problem import LocalProblem, Solution
     from ccas_core.frames import FloatArray
+    from ccas_core.plugins import Plugins
     from ccas_core.sim.scenario import Scenario
-    from ccas_core.tapd.ruleset import AbstractRuleset
 
 REFERENCE: Final = "ipopt"
 FAST: Final = "riccati"
@@ -82,12 +79,10 @@ def peak_memory() -> float | None:
     return used / 1024.0 if sys.platform != "darwin" else used / 1024.0**2
 
 
-def recorded(
-    scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver, count: int
-) -> list[Task]:
+def recorded(scenario: Scenario, plugins: Plugins, solver: AbstractLocalSolver, count: int) -> list[Task]:
     """Local problems of a voyage with their starts, up to `count` of them, evenly spread."""
     recorder = Recorder(solver)
-    for _ in voyage(scenario, rulesets, recorder):
+    for _ in voyage(scenario, plugins.rulesets, recorder, plugins.controllers):
         pass
     step = max(1, len(recorder.tasks) // count)
     return recorder.tasks[::step][:count]
@@ -164,22 +159,23 @@ def compared(found: Sequence[Solution], reference: Sequence[Solution]) -> dict[s
 
 
 def agreement(
-    rulesets: Mapping[str, AbstractRuleset], solvers: Mapping[str, AbstractLocalSolver], count: int
+    scenarios: Sequence[Scenario], plugins: Plugins, solvers: Mapping[str, AbstractLocalSolver], count: int
 ) -> Iterator[dict[str, Any]]:
-    """Compare the fast solver with the reference, on problems of all shipped scenarios, a row for each N.
+    """Compare the fast solver with the reference, on problems of some scenarios, a row for each N.
 
     Both have the same starts: those of the voyage, and once more all that there are.
     """
     fast, reference = solvers[FAST], solvers[REFERENCE]
-    found = [load_scenario(path(name), rulesets) for name in names()]
-    found = [each for each in found if all(plan.control.by == COOPERATIVE for plan in each.ships)]
     for horizon in HORIZONS:
-        changed = [replace(each, control=replace(each.control, horizon=horizon)) for each in found]
+        changed = [replace(each, control=replace(each.control, horizon=horizon)) for each in scenarios]
         # Some differ in their horizon only.
-        apart = {dump_scenario(replace(each, name="", title="", description="")): each for each in changed}
+        known = plugins.vocabulary, plugins.controllers
+        apart = {
+            dump_scenario(replace(each, name="", title="", description=""), *known): each for each in changed
+        }
         tasks = []
         for scenario in apart.values():
-            tasks += recorded(scenario, rulesets, fast, -(-count // (len(HORIZONS) * len(apart))))
+            tasks += recorded(scenario, plugins, fast, -(-count // (len(HORIZONS) * len(apart))))
         mine = [fast.best(*task) for task in tasks]
         theirs = [reference.best(*task) for task in tasks]
         every = [(problem, every_start(problem, guesses[0])) for problem, guesses in tasks]
@@ -202,17 +198,17 @@ def within_bounds(task: Task, answer: Solution) -> bool:
     return bool(np.all((low <= offset) & (offset <= high) & (factor >= 0.0) & (factor <= 1.0)))
 
 
-def sailed(scenario: Scenario, rulesets: Mapping[str, AbstractRuleset], solver: AbstractLocalSolver) -> float:
+def sailed(scenario: Scenario, plugins: Plugins, solver: AbstractLocalSolver) -> float:
     """Wall time of a voyage [s]."""
     began = time.perf_counter()
-    for _ in voyage(scenario, rulesets, solver):
+    for _ in voyage(scenario, plugins.rulesets, solver, plugins.controllers):
         pass
     return time.perf_counter() - began
 
 
 def scale(
     sizes: Sequence[int],
-    rulesets: Mapping[str, AbstractRuleset],
+    plugins: Plugins,
     solver: AbstractLocalSolver,
     seed: int = 0,
     profile: Profile = Profile.CROSSING,
@@ -222,7 +218,7 @@ def scale(
     The first period, in which no ship has a plan yet, is reported apart.
     """
     for ships in sizes:
-        frames = voyage(network(ships, seed, profile=profile), rulesets, solver)
+        frames = voyage(network(ships, seed, profile=profile), plugins.rulesets, solver)
         began = time.perf_counter()
         next(frames)
         first, frame = time.perf_counter() - began, None

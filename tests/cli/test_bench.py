@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 
 from ccas_cli import bench, measuring
+from ccas_core.dmpc.solvers import AbstractLocalSolver, Task
+from ccas_core.plugins import Plugins
+from ccas_core.sim.scenario import Scenario
 
 from . import ccas
 
@@ -49,6 +52,30 @@ def test_json_has_the_figures_that_others_read_and_text_shows_them(
     assert text.startswith("machine: python ")
     assert "times faster" in text
     assert "networks, one control period of 20 s" in text
+
+
+def test_agreement_asks_all_shipped_scenarios(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    recorded = measuring.recorded
+
+    def two_are_sailed(
+        scenario: Scenario, plugins: Plugins, solver: AbstractLocalSolver, count: int
+    ) -> list[Task]:
+        asked.append(scenario.name)
+        return (
+            recorded(scenario, plugins, solver, count) if len(asked) <= 2 else []
+        )  # the first is that of the updates
+
+    monkeypatch.setattr(measuring, "HORIZONS", (6,))
+    monkeypatch.setattr(measuring, "recorded", two_are_sailed)
+
+    done = ccas("bench", "--json", "--problems", "10", "--scale", "0", "--agreement", "200")
+    (row,) = json.loads(done.stdout)["agreement"]
+
+    assert done.exit_code == 0
+    assert len(asked) > 20
+    assert row["problems"] == row["compared"] == row["all_starts"]["compared"] > 0
+    assert row["outside_bounds"] == 0
 
 
 @pytest.mark.parametrize(
