@@ -30,8 +30,8 @@ def bench(
     ] = SCALE,
     profile: Annotated[
         str,
-        typer.Option(help="Of the ships in the networks: crossing, head_on (the paper), or auto."),
-    ] = "crossing",
+        typer.Option(help="Of the ships in the networks: auto, crossing or head_on (the paper)."),
+    ] = "auto",
     agreement: Annotated[
         int,
         typer.Option(
@@ -51,7 +51,7 @@ def bench(
     same start; only the solver call is timed. "All starts" is riccati from all of its starts against one
     start of ipopt. The voyage is that of Fig. 12. Networks: waterways with junctions at 0.5 ships a
     kilometre; one control period of 20 s with 3 iterations, from the reports to the rudder. Their ships
-    have the paper's controller for junctions; with --profile auto, the default at sea, they weigh roles, too.
+    weigh roles, as by default at sea; with --profile crossing they have the paper's controller for junctions.
 
     Example:
         ccas bench

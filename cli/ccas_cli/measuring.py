@@ -211,7 +211,7 @@ def scale(
     plugins: Plugins,
     solver: AbstractLocalSolver,
     seed: int = 0,
-    profile: Profile = Profile.CROSSING,
+    profile: Profile = Profile.AUTO,
 ) -> Iterator[dict[str, Any]]:
     """Sail networks of so many ships at one density: wall time of one control period, from reports to rudder.
 
