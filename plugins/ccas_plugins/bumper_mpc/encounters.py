@@ -14,7 +14,7 @@ import numpy as np
 
 from ccas_core.controllers import Outlook, Target
 from ccas_core.domains import AbstractDomain
-from ccas_core.frames import FloatArray, NedPose
+from ccas_core.frames import FloatArray, NedPose, PathPose
 from ccas_core.roles import Geometry, PassingSide, Role
 from ccas_core.units import DEGREE
 from ccas_core.waterway import Obstacle
@@ -48,6 +48,7 @@ class Rule:
     velocity: tuple[float, float]  # of the same [m/s]
     direction: tuple[float, float]  # unit vector, north and east
     distance: float  # [m]
+    side: float = 0.0  # of the own path on which the ship passes, +1 starboard; 0: astern of who crosses
 
     def lacking(self, pose: NedPose) -> float:
         """What the distance lacks at a pose, now [m]; negative where there is more than asked for."""
@@ -91,7 +92,7 @@ def rule_towards(
         The other owes way, and does not give it.
     """
     if before is not None and before.geometry is not Geometry.CROSSING and _is_beside(outlook, target):
-        return _rule(outlook, target, before.geometry, before.direction)
+        return _beside(outlook, target, before.geometry, before.side)
     acts = fails or (
         target.bearing.role in _OBLIGED and distance_of(outlook, target) <= near(outlook, target)
     )
@@ -108,26 +109,48 @@ def rule_towards(
     ):
         return None  # not faced: one that is abaft keeps clear of this ship, or has gone by
     if geometry is Geometry.CROSSING:
-        return _rule(outlook, target, geometry, (-float(along[0]), -float(along[1])))
+        return _astern(outlook, target)
     prescribed = target.bearing.passing_side
     side = _USUAL[geometry] if prescribed is None else _SIDES.get(prescribed, _USUAL[geometry])
-    path = _path_course(outlook)
     if geometry is Geometry.OVERTAKING and float(np.dot(velocity, other - own)) < 0.0:
         side = -side  # this ship is overtaken
-    return _rule(outlook, target, geometry, (-side * math.sin(path), side * math.cos(path)))
+    return _beside(outlook, target, geometry, side)
 
 
-def _rule(outlook: Outlook, target: Target, geometry: Geometry, direction: tuple[float, float]) -> Rule:
-    course = target.pose.course
-    margin = ASTERN if geometry is Geometry.CROSSING else MARGIN
-    needed = breadth(outlook, target) + margin * outlook.hull.length
+def _beside(outlook: Outlook, target: Target, geometry: Geometry, side: float) -> Rule:
+    """Pass beside a target, on a side of the own path: offsets from the path count, also where it bends."""
+    frame = outlook.line.frame
+    own, there = frame.to_path(outlook.pose), frame.to_path(target.pose)
+    beside = frame.to_ned(PathPose(own.x, there.y, 0.0))
+    path = frame.course_at(own.x)
+    starboard = -math.sin(path), math.cos(path)
+    drift = target.speed * math.sin(there.course)
     return Rule(
         geometry=geometry,
-        place=(target.pose.x, target.pose.y),
-        velocity=(target.speed * math.cos(course), target.speed * math.sin(course)),
-        direction=direction,
-        distance=stated(outlook.options, f"{geometry}_distance", needed),
+        place=(beside.x, beside.y),
+        velocity=(drift * starboard[0], drift * starboard[1]),
+        direction=(side * starboard[0], side * starboard[1]),
+        distance=_distance(outlook, target, geometry, MARGIN),
+        side=side,
     )
+
+
+def _astern(outlook: Outlook, target: Target) -> Rule:
+    """Pass astern of a target, along its course."""
+    ahead = math.cos(target.pose.course), math.sin(target.pose.course)
+    return Rule(
+        geometry=Geometry.CROSSING,
+        place=(target.pose.x, target.pose.y),
+        velocity=(target.speed * ahead[0], target.speed * ahead[1]),
+        direction=(-ahead[0], -ahead[1]),
+        distance=_distance(outlook, target, Geometry.CROSSING, ASTERN),
+    )
+
+
+def _distance(outlook: Outlook, target: Target, geometry: Geometry, margin: float) -> float:
+    """Safe distance: what a scenario states, or what domains need abeam and a margin in lengths [m]."""
+    needed = breadth(outlook, target) + margin * outlook.hull.length
+    return stated(outlook.options, f"{geometry}_distance", needed)
 
 
 def _is_beside(outlook: Outlook, target: Target) -> bool:
