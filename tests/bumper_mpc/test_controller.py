@@ -242,3 +242,10 @@ def test_options_are_those_of_the_page() -> None:
     options = page.partition("## Options")[2].partition("\n## ")[0]
 
     assert set(re.findall(r"`([a-z_]+)`", options)) - {"control"} == set(CONTROLLER.options)
+
+
+def test_boat_goes_aside_for_a_barge_before_it_slows_down_for_its_domain() -> None:
+    barge = DynamicBumper(length=132.0, full_speed=2.4)
+    ahead = replace(target(0.0, 700.0, -EAST, 2.4, HEAD_ON, barge), hull=Hull(length=132.0, beam=11.4))
+
+    assert max(-now.pose.x for now, _ in sail(outlook(ahead), 6.0)) > 5.0

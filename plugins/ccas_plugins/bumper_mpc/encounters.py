@@ -25,7 +25,7 @@ AHEAD: Final = 22.5 * DEGREE  # theta_1: a ship nearly ahead [rad]
 OPPOSITE: Final = 157.5 * DEGREE  # theta_2: courses that are nearly opposite [rad]
 ALIKE: Final = 67.5 * DEGREE  # theta_3: courses so near that who comes up from astern overtakes [rad]
 BEFORE: Final = 112.5 * DEGREE  # theta_4: a ship abaft of this bearing is not faced [rad]
-LEAD: Final = 12.0  # ship lengths' time that both sail until a ship is avoided
+LEAD: Final = 12.0  # lengths, of the longer ship, that the own ship sails until a ship is avoided
 MARGIN: Final = 0.3  # of the own length, beside what domains need abeam of one another
 ASTERN: Final = 1.2  # of the own length, beside the same, astern of a ship that crosses: the bow points there
 
@@ -211,7 +211,7 @@ def passing_surge(outlook: Outlook, rule: Rule, surge: float) -> float:
 
 def near(outlook: Outlook, target: Target) -> float:
     """Distance within which a target is avoided: d_min of Sec. 3.4 (4) [m]."""
-    time = LEAD * outlook.hull.length / outlook.speed
+    time = LEAD * max(outlook.hull.length, target.hull.length) / outlook.speed
     return stated(outlook.options, "act_within", time * (outlook.speed + target.speed))
 
 

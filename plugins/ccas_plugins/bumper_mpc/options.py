@@ -32,7 +32,7 @@ OPTIONS: Final[Mapping[str, Option]] = {
         within=Range(above=0.0, at_most=90.0 * DEGREE),
     ),
     "act_within": Option(
-        meaning="distance within which a ship is avoided; what both sail in 12 lengths' time unless stated",
+        meaning="distance within which a ship is avoided; 12 lengths' way of both unless stated",
         default=None,
         quantity=LENGTH,
         within=_NOT_NEGATIVE,
