@@ -21,7 +21,7 @@ from .model import CONTROLS, STATES, constants, stage_model
 from .parameters import Settings
 from .risk import collision_risk, threat
 
-_WALL_TIME: Final = 60.0  # of one solve [s]
+_ITERATIONS: Final = 500  # of one solve; a limit in seconds would let the answer depend on the machine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,7 +59,7 @@ def solve_jointly(
     options: dict[str, Any] = {
         "print_time": False,
         "error_on_fail": False,
-        "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 500, "max_wall_time": _WALL_TIME},
+        "ipopt": {"print_level": 0, "sb": "yes", "max_iter": _ITERATIONS},
     }
     solve = ca.nlpsol("joint", "ipopt", {"x": variables, "f": value, "g": gaps}, options)
     bounds = [_bounds(ship, horizon, side) for side in (0, 1) for ship in ships]
