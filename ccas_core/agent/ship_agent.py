@@ -23,7 +23,7 @@ from ..dmpc.local_problem import shifted
 from ..dmpc.negotiate import Negotiation, Neighbour
 from ..dmpc.parameters import Expectation, Settings
 from ..dmpc.prediction import AbstractPredictor, ConstantVelocity, carried_on, resized
-from ..dmpc.stance import Memory
+from ..dmpc.resolve import Memory
 from ..frames import FloatArray, NedPose, NedTrajectory
 from ..priority import NO_BEARING, Opening, PriorityGraph, settle
 from ..regions import InForce, Law

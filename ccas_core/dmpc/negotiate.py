@@ -20,8 +20,9 @@ from . import nadmm
 from .local_problem import LocalPlan, LocalProblem, Solution, free_speeds
 from .outcome import Outcome
 from .parameters import Anchor, Settings, Start, Wait
+from .resolve import Memory, Seen
 from .risk import COLUMNS, threats
-from .stance import Memory, Seen, Stance, safest, take_stance
+from .stance import Stance, safest, take_stance
 from .trajectories import rollout
 
 SLOW_FACTOR = 1.0 / 3.0  # speed factor of the start `slow`

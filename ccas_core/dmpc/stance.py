@@ -14,78 +14,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..frames import FloatArray, PathTrajectory
-from ..priority import NO_BEARING, Bearing
-from ..roles import Geometry, PassingSide, Role
+from ..roles import Role
 from ..ships import Hull, ShipId
 from ..waterway import BANK_MARGIN
 from .clearance import bank_gaps, gaps
 from .local_problem import LocalPlan, LocalProblem
 from .manoeuvres import Manoeuvres, at_hand
 from .parameters import Roles, Settings, blended
+from .resolve import Memory, Resolve, Seen, must_slow, relapses_of, relies, resolve_of, resolved
 from .trajectories import sailed
 
-_SIDE: Final = {  # to which side a ship goes to pass as prescribed: +1 starboard, -1 port
-    PassingSide.PORT_TO_PORT: 1,
-    PassingSide.STARBOARD_TO_STARBOARD: -1,
-    PassingSide.OVERTAKE_ON_PORT: -1,
-    PassingSide.OVERTAKE_ON_STARBOARD: 1,
-}
-_USUAL: Final = {Geometry.HEAD_ON: (1, -1), Geometry.OVERTAKING: (-1, 1)}  # where none is prescribed
-_OBLIGED: Final = (Role.GIVE_WAY, Role.BOTH)
 _STEADY_OFFSET: Final = 0.05  # of a ship that holds [m]: solvers want some room between bounds
 _STEADY_FACTOR: Final = 1e-3
-_TURNS: Final = 2  # changes of side in an encounter
 _MUCH: Final = 2.0  # periods that another plan must save to be taken instead of the last
-_RESTED: Final = 10  # periods without an action after which one that follows is a new one
-_RELAPSES: Final = 3  # that make a ship more careful each time
 _RETURNS: Final = (0.0, 0.5, 0.75, 0.875)  # shares of the present offset to which a ship returns at once
 _BETTER: Final = 1.0  # gap that a manoeuvre must gain over the solver's plan to replace it [m]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Resolve:
-    """What a ship has resolved towards one neighbour; it holds until they are past and clear."""
-
-    alarmed: bool = False  # the other does not give way: act
-    side: int = 0  # side to which the ship goes, +1 starboard
-    turns: int = 0  # how often it has gone back on a side that did not clear any more
-    slowed: bool = False  # a visible reduction of speed was made
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Memory:
-    """What a ship carries from one period to the next."""
-
-    resolves: Mapping[ShipId, Resolve] = field(default_factory=dict)
-    crossing: float = 0.0  # share of the crossing profile, 0 to 1
-    acting: bool = False
-    rested: int = 1000  # periods since it last acted
-    relapses: int = 0  # how often it has acted again without having rested
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Seen:
-    """A neighbour, or an obstacle without an id, in the own path frame."""
-
-    id: ShipId | None
-    hull: Hull
-    path: PathTrajectory
-    bearing: Bearing = NO_BEARING
-    unmoved: PathTrajectory | None = None  # where it would be if it went on as it is
-
-    @property
-    def crosses(self) -> bool:
-        """Whether it is met as in a crossing; where no verdict says so, by its course."""
-        if self.bearing.geometry is not Geometry.NONE:
-            return self.bearing.geometry is Geometry.CROSSING
-        return abs(math.sin(float(self.path.poses[0, 2]))) > math.sin(math.pi / 8.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -136,7 +86,7 @@ def take_stance(
     ahead = _each_gap(hull, held, seen)[0]  # (n, N)
     least = ahead.min(axis=1, initial=math.inf)
     for n, each in enumerate(seen):
-        if each.bearing.role is Role.BOTH and each.unmoved and _resolve(each, resolves) == Resolve():
+        if each.bearing.role is Role.BOTH and each.unmoved and resolve_of(each, resolves) == Resolve():
             alone = gaps(hull, held, each.hull, each.unmoved.poses)
             least[n] = min(least[n], float(alone.min()))  # both act, whatever the other has told
     for n, each in enumerate(seen):
@@ -145,11 +95,11 @@ def take_stance(
             if not resolve.alarmed and _is_last_moment(hull, problem, room, base, each, ahead[n], roles):
                 resolves[each.id] = replace(resolve, alarmed=True)
     enough = roles.resume_beyond * 2.0**memory.relapses if memory.acting else roles.act_within
-    concerned = [n for n, each in enumerate(seen) if not _relies(each, resolves) and least[n] < enough]
+    concerned = [n for n, each in enumerate(seen) if not relies(each, resolves) and least[n] < enough]
     committed = [
         n
         for n, each in enumerate(seen)
-        if each.bearing.role is Role.BOTH and _resolve(each, resolves).side and n not in concerned
+        if each.bearing.role is Role.BOTH and resolve_of(each, resolves).side and n not in concerned
     ]
     if not concerned and not committed:
         idle = replace(memory, resolves=resolves, acting=False, rested=memory.rested + 1)
@@ -158,13 +108,13 @@ def take_stance(
     hand = at_hand(problem, base, until)
     worst = _least_gap(hull, hand.paths, seen, room)
     for n in concerned:
-        resolves = _resolved(seen[n], resolves, hand, worst, roles)
+        resolves = resolved(seen[n], resolves, hand, worst, roles)
     active = [seen[n] for n in (*concerned, *committed)]
     offset_limits, speed_limits = _limits(problem, active, resolves, until, roles)
     for n in concerned:
         id_ = seen[n].id
-        if id_ is not None and _must_slow(problem, seen[n], active, resolves, roles):
-            resolves[id_] = replace(_resolve(seen[n], resolves), slowed=True)
+        if id_ is not None and must_slow(problem, seen[n], active, resolves, roles):
+            resolves[id_] = replace(resolve_of(seen[n], resolves), slowed=True)
     limited = replace(problem, offset_limits=offset_limits, speed_limits=speed_limits)
     crossing = _share(memory, active)
     return Stance(
@@ -179,16 +129,9 @@ def take_stance(
             crossing=crossing,
             acting=True,
             rested=0,
-            relapses=_relapses(memory),
+            relapses=relapses_of(memory),
         ),
     )
-
-
-def _relapses(memory: Memory) -> int:
-    """Count relapses of a ship that acts: after each it returns to its line with twice the gap only."""
-    if memory.acting:
-        return memory.relapses
-    return min(memory.relapses + 1, _RELAPSES) if memory.rested < _RESTED else 0
 
 
 def safest(
@@ -235,18 +178,9 @@ def _least_gap(hull: Hull, plans: FloatArray, seen: Sequence[Seen], room: FloatA
     return np.asarray(np.minimum(ships, bank_gaps(hull, plans, room).min(axis=1) + BANK_MARGIN))
 
 
-def _resolve(each: Seen, resolves: Mapping[ShipId, Resolve]) -> Resolve:
-    return Resolve() if each.id is None else resolves.get(each.id, Resolve())
-
-
-def _relies(each: Seen, resolves: Mapping[ShipId, Resolve]) -> bool:
-    """Whether the ship stands on, and relies on the other to keep clear."""
-    return each.bearing.role is Role.STAND_ON and not _resolve(each, resolves).alarmed
-
-
 def _base(problem: LocalProblem, seen: Sequence[Seen], resolves: Mapping[ShipId, Resolve]) -> float:
     """Offset of a ship that holds [m]: the present one while it stands on, else its line."""
-    return problem.last_offset if any(_relies(each, resolves) for each in seen) else 0.0
+    return problem.last_offset if any(relies(each, resolves) for each in seen) else 0.0
 
 
 def _steady(problem: LocalProblem, base: float) -> FloatArray:
@@ -303,32 +237,6 @@ def _until(ahead: FloatArray, enough: float) -> int:
     return int(near[-1] if len(near) else ahead.min(axis=0).argmin()) + 2
 
 
-def _resolved(
-    each: Seen, resolves: Mapping[ShipId, Resolve], hand: Manoeuvres, worst: FloatArray, roles: Roles
-) -> dict[ShipId, Resolve]:
-    """Choose the side on which to leave a ship to which the own ship gives way, and seldom another."""
-    found = dict(resolves)
-    resolve = _resolve(each, resolves)
-    geometry = each.bearing.geometry
-    if each.id is None or each.bearing.role not in _OBLIGED or geometry not in _USUAL:
-        return found
-    side = each.bearing.passing_side
-    options: tuple[int, ...] = _USUAL[geometry]
-    if side in _SIDE:  # overtaking, the prescribed side is the one to be preferred
-        options = (_SIDE[side], -_SIDE[side]) if geometry is Geometry.OVERTAKING else (_SIDE[side],)
-    best = {s: float(worst[hand.side == s].max()) for s in options}
-    if resolve.side and (best.get(resolve.side, 0.0) >= 0.0 or resolve.turns >= _TURNS):
-        return found
-    enough = roles.resume_beyond if geometry is Geometry.OVERTAKING and side not in _SIDE else roles.clear_by
-    chosen = next((s for s in options if best[s] >= enough), max(options, key=best.__getitem__))
-    if best[chosen] >= 0.0 or geometry is Geometry.HEAD_ON:
-        turned = resolve.side not in (0, chosen)
-        found[each.id] = replace(resolve, side=chosen, turns=resolve.turns + turned)
-    elif resolve.side:
-        found[each.id] = replace(resolve, side=0, turns=resolve.turns + 1)
-    return found
-
-
 def _limits(
     problem: LocalProblem,
     active: Sequence[Seen],
@@ -338,34 +246,14 @@ def _limits(
 ) -> tuple[FloatArray, FloatArray]:
     """Limits within which an action of a ship that gives way is visible."""
     offset, speed = problem.offset_limits.copy(), problem.speed_limits.copy()
-    sides = {_resolve(each, resolves).side for each in active} - {0}
+    sides = {resolve_of(each, resolves).side for each in active} - {0}
     if sides == {1}:
         offset[:until, 0] = np.minimum(roles.visible_offset, offset[:until, 1] - _STEADY_OFFSET)
     elif sides == {-1}:
         offset[:until, 1] = np.maximum(-roles.visible_offset, offset[:until, 0] + _STEADY_OFFSET)
-    if any(_must_slow(problem, each, active, resolves, roles) for each in active):
+    if any(must_slow(problem, each, active, resolves, roles) for each in active):
         speed[0, 1] = roles.visible_factor
     return offset, speed
-
-
-def _must_slow(
-    problem: LocalProblem,
-    each: Seen,
-    active: Sequence[Seen],
-    resolves: Mapping[ShipId, Resolve],
-    roles: Roles,
-) -> bool:
-    """Whether a ship is to show by its speed that it gives way: crossing, or without room to go aside.
-
-    Crossing one ship alone, it does so until its line is clear at full speed: what it loses at once it need
-    not lose later by fits and starts.  Among several it does so once, or it might never get through.
-    """
-    resolve = _resolve(each, resolves)
-    if each.bearing.role not in _OBLIGED or (resolve.slowed and not (each.crosses and len(active) == 1)):
-        return False
-    low, high = problem.offset_limits[0]
-    aside = high if resolve.side > 0 else -low
-    return each.crosses or bool(resolve.side and aside < roles.visible_offset)
 
 
 def _share(memory: Memory, concerned: Sequence[Seen]) -> float:
@@ -385,15 +273,15 @@ def _settings(
     roles: Roles,
 ) -> Settings:
     weights = blended(settings.weights, roles.crossing, crossing)
-    if any(_relies(each, resolves) for each in seen):
+    if any(relies(each, resolves) for each in seen):
         weights = replace(weights, mu_1=roles.steadiness * weights.mu_1, mu_2=roles.steadiness * weights.mu_2)
-    if {_resolve(each, resolves).side for each in active} - {0} == {-1}:
+    if {resolve_of(each, resolves).side for each in active} - {0} == {-1}:
         weights = replace(weights, side=-1.0)
     return replace(settings, weights=weights)
 
 
 def _gain(each: Seen, resolves: Mapping[ShipId, Resolve], roles: Roles) -> float:
-    if _relies(each, resolves):
+    if relies(each, resolves):
         return roles.stand_on
     return roles.none if each.bearing.role is Role.NONE else roles.give_way
 

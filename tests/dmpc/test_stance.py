@@ -10,7 +10,8 @@ import pytest
 
 from ccas_core.dmpc.local_problem import LocalProblem, free_speeds
 from ccas_core.dmpc.parameters import FAITHFUL, Roles
-from ccas_core.dmpc.stance import Memory, Resolve, Seen, Stance, take_stance
+from ccas_core.dmpc.resolve import Memory, Resolve, Seen
+from ccas_core.dmpc.stance import Stance, take_stance
 from ccas_core.frames import FloatArray, PathPose, PathTrajectory
 from ccas_core.priority import Bearing
 from ccas_core.roles import Geometry, PassingSide, Role
