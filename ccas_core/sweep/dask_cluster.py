@@ -17,6 +17,7 @@ from .workers import Done, Status
 CONNECT: Final = 10.0  # allowed to the scheduler to answer [s]
 _LOOK: Final = 0.5  # between two looks at what is done [s]
 _LATE: Final = 2.0  # between two looks at what takes too long [s]
+_ENDED: Final = ("finished", "error")  # states of a task that has ended by itself
 _STOP: Final = 10.0  # allowed to a worker to be restarted [s]
 
 _T = TypeVar("_T")
@@ -53,7 +54,11 @@ def _watched(
         except TimeoutError:
             ready = set()
         for future in ready:
-            yield _outcome(futures.pop(future), future)
+            task = futures.pop(future)
+            if future.status in _ENDED:
+                yield _outcome(task, future)
+            else:  # lost with a worker that was restarted for another task's sake
+                futures[client.submit(do, task, pure=False)] = task
         if time.monotonic() < look:
             continue
         late = _late(client, since, deadline)
