@@ -14,7 +14,7 @@ from ..regions import Law
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .aboard import Aboard, judging
-from .encounters import Encounter, remember
+from .encounters import Encounter, parted, remember
 from .ruleset import AbstractRuleset, Pair, Situation
 
 FAILED: Final = "the ruleset failed: "  # begins the reason of a verdict that stands for what a ruleset raised
@@ -91,5 +91,8 @@ def remembered(situation: Situation, mine: Verdict, theirs: Verdict | None = Non
     own, other = mine.own, mine.other
     agreed = theirs is None or (mine.ruleset, mine.version) == (theirs.ruleset, theirs.version)
     law = situation.law(own, other) if agreed else None
-    after = remember(situation.encounter(own, other), situation.facts(own, other), mine, law)
+    before = situation.encounter(own, other)
+    after = remember(before, situation.facts(own, other), mine, law)
+    if agreed and not after.lasts and not situation.world.waters.laws.everywhere:
+        after = parted(before)
     return (min(own, other), max(own, other)), after

@@ -2,7 +2,8 @@
 
 Overtaking lasts until the overtaker is past and clear (COLREG 13(d), BPR 6.09); the starboard side and the
 direction are those of the first verdict, and so is the law, whatever borders the ships cross meanwhile.
-Both ships remember the same, for they remember the same messages.
+Both ships remember the same, for they remember the same messages.  Ships that part and soon meet again, say
+because an overtaker has fallen back, go on under the law that they had.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 HELD: Final = ("follows_starboard_side", "direction")  # facts of a ship that an encounter holds
 _OPENING_PERIODS: Final = 2  # periods of growing range after which ships are past and clear
+LINGERS: Final = 15  # periods for which ships that have parted keep the law of their encounter
 _GIVEN_UP: Final = 3600.0  # an overtaker that needs longer than this has given up [s]
 
 
@@ -30,7 +32,8 @@ _GIVEN_UP: Final = 3600.0  # an overtaker that needs longer than this has given 
 class Encounter:
     """What two ships remember of their encounter; `geometry` is none where there is none.
 
-    `law` is the one that they judge by until it is over; None where they have yet to agree on one.
+    `law` is the one that they judge by until it is over, and for a while after; None where they have yet to
+    agree on one.
     """
 
     geometry: Geometry = Geometry.NONE
@@ -40,10 +43,16 @@ class Encounter:
     held: Mapping[ShipId, Mapping[str, FactValue]] = field(default_factory=dict)
     distance: float = math.inf  # when it was last looked at [m]
     opening_periods: int = 0  # for how many periods the range has grown
+    parted_periods: int = 0  # for how many periods it has been over
 
     def __post_init__(self) -> None:
         held = {ship: MappingProxyType(dict(facts)) for ship, facts in self.held.items()}
         object.__setattr__(self, "held", MappingProxyType(held))
+
+    @property
+    def lasts(self) -> bool:
+        """Whether the ships have met, and are not yet past and clear."""
+        return self.geometry is not Geometry.NONE
 
 
 NO_ENCOUNTER: Final = Encounter()
@@ -55,7 +64,7 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict, law: Law | N
     `law` is that of the pair in this period.
     """
     distance = facts.quantity(("distance",))
-    if before.geometry is Geometry.NONE:
+    if not before.lasts:
         if verdict.geometry is Geometry.NONE:
             return NO_ENCOUNTER
         held = {ship: _known(facts, side) for ship, side in _sides(facts)}
@@ -73,6 +82,13 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict, law: Law | N
         return NO_ENCOUNTER
     held = {ship: {**_known(facts, side), **before.held.get(ship, {})} for ship, side in _sides(facts)}
     return replace(before, law=law, held=held, distance=distance, opening_periods=opening)
+
+
+def parted(before: Encounter) -> Encounter:
+    """Keep the law of an encounter that is over; after `LINGERS` periods nothing is remembered."""
+    if before.law is None or before.parted_periods >= LINGERS:
+        return NO_ENCOUNTER
+    return Encounter(law=before.law, parted_periods=before.parted_periods + 1)
 
 
 def _sides(facts: PairFacts) -> tuple[tuple[ShipId, str], ...]:

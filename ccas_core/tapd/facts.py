@@ -268,7 +268,7 @@ def _pair_values(
         "same_waterway": _between_banks(waters, own, other) and _between_banks(waters, other, own),
         "same_direction": own.waterway == other.waterway and own.towards is other.towards,
     }
-    if encounter is not NO_ENCOUNTER:
+    if encounter.lasts:
         names = {own.id: "own", other.id: "other", None: "none"}
         found |= {
             "risk_of_collision": True,

@@ -116,7 +116,7 @@ def _collect_seldom() -> None:
     """
     gc.collect()
     gc.freeze()
-    gc.set_threshold(200_000, 50, 100)
+    gc.set_threshold(3_000_000, 50, 100)  # ten thousand ships hold two millions
 
 
 def scenario_file(name: str) -> Path:

@@ -95,7 +95,6 @@ def in_situation(
 ) -> Meeting:
     """Two ships on a chart; `fresh` is the situation without what is remembered."""
     from ccas_core.tapd.aboard import judging
-    from ccas_core.tapd.encounters import NO_ENCOUNTER
 
     one, other = settlement.pair
     sides = {}
@@ -103,7 +102,7 @@ def in_situation(
         ruleset = judging(carried[own], now.law(own, target))
         facts = now.facts(own, target, ruleset.vocabulary)
         anew = facts if now is fresh else fresh.facts(own, target, ruleset.vocabulary)
-        known = now.encounter(own, target) is not NO_ENCOUNTER
+        known = now.encounter(own, target).lasts
         sides[own] = Side(ruleset=ruleset, facts=facts, fresh=anew, is_remembered=known)
     told = as_decision(settlement, graph, now.world.time)
     return Meeting(pair=settlement.pair, settlement=settlement, sides=sides, told=told)

@@ -17,7 +17,7 @@ from ccas_core.roles import Geometry
 from ccas_core.ships import Hull, Ship, ShipId
 from ccas_core.tapd.aboard import OtherVersion, aboard, judging
 from ccas_core.tapd.assign import assign_by_law, judged_by_law, remembered
-from ccas_core.tapd.encounters import Encounter
+from ccas_core.tapd.encounters import LINGERS, NO_ENCOUNTER, Encounter
 from ccas_core.tapd.pair_law import FORESIGHT, law_of_pair, place_of_meeting
 from ccas_core.tapd.ruleset import Situation
 from ccas_core.verdict import Kind, Verdict
@@ -172,6 +172,17 @@ def head_on(north: float, memory: Encounter | None = None) -> Situation:
     return Situation(world=world, encounters={(A, B): memory} if memory else {})
 
 
+def opening(north: float) -> Situation:
+    """The same two ships, past one another and sailing away, `north` of the border."""
+    met = head_on(north)
+    a, b = (met.world.reports[ship] for ship in (A, B))
+    reports = {
+        A: replace(a, pose=replace(b.pose, course=0.0)),
+        B: replace(b, pose=replace(a.pose, course=math.pi)),
+    }
+    return replace(met, world=replace(met.world, reports=reports))
+
+
 def views(
     situation: Situation, mine: tuple[str, ...] = (), theirs: tuple[str, ...] = ()
 ) -> tuple[Verdict, Verdict]:
@@ -191,6 +202,28 @@ def test_an_encounter_keeps_the_law_that_it_began_with() -> None:
     assert {view.ruleset for view in views(later)} == {"bpr"}
     assert remembered(later, *views(later))[1].law == Law("bpr")
     assert {view.ruleset for view in views(head_on(200.0))} == {"ccnr"}  # a new one goes by the new law
+
+
+def test_ships_that_part_and_soon_meet_again_go_on_under_the_law_that_they_had() -> None:
+    """An overtaker may fall back, so that the range grows, and come up again beyond the border."""
+    over = opening(900.0)
+    memory: Encounter | None = Encounter(
+        geometry=Geometry.HEAD_ON, law=Law("bpr"), distance=700.0, opening_periods=1
+    )
+    log = []
+    for _ in range(LINGERS + 1):
+        now = replace(over, encounters={(A, B): memory} if memory else {})
+        memory = remembered(now, *views(now))[1]
+        log.append(memory)
+
+    assert not any(each.lasts for each in log)
+    assert [each.law for each in log] == [Law("bpr")] * LINGERS + [None]
+    assert log[-1] is NO_ENCOUNTER
+    assert {view.ruleset for view in views(head_on(200.0, log[0]))} == {"bpr"}
+    assert {view.ruleset for view in views(head_on(200.0, log[-1]))} == {"ccnr"}
+    again = head_on(200.0, log[3])
+    met = remembered(again, *views(again))[1]
+    assert (met.lasts, met.law, met.parted_periods) == (True, Law("bpr"), 0)
 
 
 def test_ships_that_remember_two_laws_forget_both_and_come_together_again() -> None:
