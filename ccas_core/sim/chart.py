@@ -15,6 +15,7 @@ import numpy as np
 
 from ..frames import FloatArray
 from ..ships import ShipId
+from ..waterway import Obstacle
 from .conduct import KEEPING_FACTOR, KEEPING_OFFSET, is_met
 from .domain_meetings import outline, surge_of
 from .frame import Frame, ShipFrame
@@ -28,6 +29,7 @@ DASHES: Final = ((), (4.0, 3.0), (5.5, 2.0, 1.0, 2.0), (1.5, 1.2), (7.0, 1.5, 1.
 PAGE: Final = 7.2  # width of a figure [in]
 NARROW: Final = 6.0  # ratio of the extents from which the shorter one is stretched
 SQUARE: Final = 0.9  # ratio to which a nearly square part is widened
+BESIDE: Final = 5.0  # lengths of a ship within which it passes an obstacle closely
 LEAST_VIEW: Final = 300.0  # extent that is shown at least [m]
 _LEAD: Final = 6.0  # of the first instant before the closest approach, in hull lengths sailed
 _REACHED: Final = 5.0  # excess over the least distance that counts as the closest approach [m]
@@ -215,7 +217,8 @@ def points(
 ) -> FloatArray:
     """Points (n, 2), north and east, that a view has to hold: what ships with encounters do at these times.
 
-    Where no ships met, it is all ships; where none were under way, it is where they start.
+    Obstacles that such a ship passes closely belong to it, whenever that is.  Where no ships met, it is all
+    ships; where none were under way, it is where they start.
     """
     involved = {id_ for pair in _met(frames) for id_ in pair}
     found = [np.empty((0, 2))]
@@ -225,9 +228,20 @@ def points(
             found += [ship.domain(time) for time in times]
             found.append(np.vstack([bow_arrow(ship, pose) for pose in poses] or [np.empty((0, 2))]))
             found.append(ship.between(min(times, default=0.0), max(times, default=0.0))[:, :2])
+            found += _passed(ship, scenario.waters.obstacles)
     if not any(map(len, found)):
         found = [np.array([[plan.start.x, plan.start.y] for plan in scenario.ships])]
     return np.vstack(found)
+
+
+def _passed(ship: Sailed, obstacles: Sequence[Obstacle]) -> list[FloatArray]:
+    """Corners (2, 2) about each obstacle that a ship passes within `BESIDE` lengths."""
+    sailed, near = ship.track.at(ship.track.times), BESIDE * ship.track.ship.hull.length
+    return [
+        np.array([[each.x - each.radius, each.y - each.radius], [each.x + each.radius, each.y + each.radius]])
+        for each in obstacles
+        if np.hypot(sailed[:, 0] - each.x, sailed[:, 1] - each.y).min() <= near + each.radius
+    ]
 
 
 def bow_arrow(ship: Sailed, pose: FloatArray) -> FloatArray:

@@ -128,6 +128,19 @@ def test_regions_are_named_and_obstacles_drawn(crossing: Voyage) -> None:
     assert {"ccnr", "obstacle"} <= set(texts(figure))
 
 
+@pytest.mark.parametrize(("aside", "seen"), [(30.0, True), (3000.0, False)])
+def test_an_obstacle_that_a_ship_passes_is_in_the_picture(crossing: Voyage, aside: float, seen: bool) -> None:
+    of, frames = crossing
+    later = frames[30].ships[A].pose
+    pier = Obstacle(id="pier", x=later.x + aside, y=later.y, radius=15.0)
+    with_pier = replace(of, waters=replace(of.waters, obstacles=(pier,)))
+
+    (axes,) = shown(plotting.paths(with_pier, frames, times=[20.0]))
+
+    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
+    assert bool(west < pier.y < east and south < pier.x < north) is seen
+
+
 def test_moments_tell_first_action_and_closest_approach(crossing: Voyage) -> None:
     of, frames = crossing
 
