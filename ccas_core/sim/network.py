@@ -18,7 +18,9 @@ from ..waterway import Leg, Towards, Waters, Waterway, guiding_line
 from .scenario import ControlChoice, Plan, Profile, Scenario
 
 FEWEST: Final = 10  # ships of a network
-SPACING: Final = 10_000.0  # between waterways of one direction, about [m]
+SPACING: Final = (
+    100_000.0 / 9.0
+)  # between waterways of one direction, about: just so for 100 and 10,000 ships [m]
 CROSSINGS: Final = 3  # of one waterway, at most
 MEANDER: Final = 150.0  # of a river, to either side [m]
 VERTEX: Final = 1_250.0  # between vertices of a river [m]
