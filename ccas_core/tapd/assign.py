@@ -14,7 +14,7 @@ from ..regions import Law
 from ..ships import ShipId
 from ..verdict import Kind, Verdict
 from .aboard import Aboard, judging
-from .encounters import Encounter, parted, remember
+from .encounters import Encounter, remember
 from .ruleset import AbstractRuleset, Pair, Situation
 
 FAILED: Final = "the ruleset failed: "  # begins the reason of a verdict that stands for what a ruleset raised
@@ -28,16 +28,15 @@ def assign(ruleset: AbstractRuleset, situation: Situation, own: ShipId) -> tuple
 
 def assign_by_law(rulesets: Aboard, situation: Situation, own: ShipId) -> tuple[Verdict, ...]:
     """Judge every other ship by the law of the pair, in the order of ids."""
-    others = sorted(ship for ship in situation.world.reports if ship != own)
     everywhere = situation.world.waters.laws.everywhere
     if everywhere is None:
+        others = sorted(ship for ship in situation.world.reports if ship != own)
         return tuple(judged_by_law(rulesets, situation, own, other) for other in others)
     ruleset = judging(rulesets, everywhere)
-    if everywhere.is_met_by(
-        ruleset.id, ruleset.version
-    ):  # as a rule; then nothing is to be found for each pair
-        return tuple(judged(ruleset, situation, own, other) for other in others)
-    return tuple(_without(everywhere, judged(ruleset, situation, own, other)) for other in others)
+    verdicts = assign(ruleset, situation, own)
+    if everywhere.is_met_by(ruleset.id, ruleset.version):  # as a rule
+        return verdicts
+    return tuple(_without(everywhere, verdict) for verdict in verdicts)
 
 
 def judged_by_law(rulesets: Aboard, situation: Situation, own: ShipId, other: ShipId) -> Verdict:
@@ -90,9 +89,7 @@ def remembered(situation: Situation, mine: Verdict, theirs: Verdict | None = Non
     """
     own, other = mine.own, mine.other
     agreed = theirs is None or (mine.ruleset, mine.version) == (theirs.ruleset, theirs.version)
-    law = situation.law(own, other) if agreed else None
-    before = situation.encounter(own, other)
-    after = remember(before, situation.facts(own, other), mine, law)
-    if agreed and not after.lasts and not situation.world.waters.laws.everywhere:
-        after = parted(before)
+    one_for_all = situation.world.waters.laws.everywhere  # then there is no law to remember
+    law = situation.law(own, other) if agreed and not one_for_all else None
+    after = remember(situation.encounter(own, other), situation.facts(own, other), mine, law)
     return (min(own, other), max(own, other)), after

@@ -61,12 +61,12 @@ NO_ENCOUNTER: Final = Encounter()
 def remember(before: Encounter, facts: PairFacts, verdict: Verdict, law: Law | None = None) -> Encounter:
     """Carry an encounter on by a period: begin it, keep it, or end it when past and clear.
 
-    `law` is that of the pair in this period.
+    `law` is that of the pair in this period; None where it is not to be remembered.
     """
     distance = facts.quantity(("distance",))
     if not before.lasts:
         if verdict.geometry is Geometry.NONE:
-            return NO_ENCOUNTER
+            return _parted(before, law)
         held = {ship: _known(facts, side) for ship, side in _sides(facts)}
         return Encounter(
             geometry=verdict.geometry,
@@ -79,14 +79,14 @@ def remember(before: Encounter, facts: PairFacts, verdict: Verdict, law: Law | N
     opening = before.opening_periods + 1 if distance > before.distance else 0
     apart = distance > (facts["own.length"] + facts["other.length"]) / 2.0
     if opening >= _OPENING_PERIODS and apart and _past(before, facts):
-        return NO_ENCOUNTER
+        return _parted(before, law)
     held = {ship: {**_known(facts, side), **before.held.get(ship, {})} for ship, side in _sides(facts)}
     return replace(before, law=law, held=held, distance=distance, opening_periods=opening)
 
 
-def parted(before: Encounter) -> Encounter:
+def _parted(before: Encounter, law: Law | None) -> Encounter:
     """Keep the law of an encounter that is over; after `LINGERS` periods nothing is remembered."""
-    if before.law is None or before.parted_periods >= LINGERS:
+    if law is None or before.law is None or before.parted_periods >= LINGERS:
         return NO_ENCOUNTER
     return Encounter(law=before.law, parted_periods=before.parted_periods + 1)
 
