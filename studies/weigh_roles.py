@@ -2,21 +2,23 @@
 
 One parameter is changed at a time; `default` is what is shipped.  The study goes on where it was stopped:
 
-    python studies/weigh_roles.py --count 25 --out runs/weigh_roles
+    python studies/weigh_roles.py --count 25 --out runs/weigh_roles --picture docs/pictures/weigh_roles.png
 
 Each variant sails the same drawn encounters: risky ones of two ships, crossings beside a ship that ignores
-its duty, and groups: with `--count 25`, 105 cases a variant.  The table is what docs/parameters.md quotes.
+its duty, and groups: with `--count 25`, 105 cases a variant.  docs/parameters.md has table and picture.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 from ccas_core.agent.events import Conduct
+from ccas_core.sim.drawing import NORMAL, SMALL, dress
 from ccas_core.sweep.campaign import Progress, run
 from ccas_core.sweep.spec import Cell, Draw, Sweep, Variant
 from ccas_core.sweep.tally import cell_entries
@@ -29,6 +31,7 @@ TRIED: Final = {
     "resume_beyond": (15.0, 40.0),
     "clear_by": (1.0, 10.0),
     "reserve": (0.0, 5.0),
+    "patience": (4.0, 16.0),
     "visible_offset": (4.0, 25.0),
     "visible_factor": (0.6, 0.9),
     "kappa_across": (0.6, 1.2),
@@ -64,21 +67,61 @@ HEAD: Final = (
     *("variant", "collisions", "entries", "not faithful", "frozen", "restless"),
     *("index [m]", "delay [s]", "delay of stand-on ships", "actions"),
 )
+COUNTS: Final = ("collisions", "entries", "unfaithful", "frozen", "restless")
 
 
-def table(entries: list[dict[str, Any]]) -> list[str]:
-    """A line for each variant: sums and means over all cells."""
-    lines = [f"| {' | '.join(HEAD)} |", "|" + " --- |" * len(HEAD)]
+def sums(entries: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Sums, the least safety index and means over all cells, for each variant."""
+    found = {}
     for variant in dict.fromkeys(entry["variant"] for entry in entries):
         rows = [entry for entry in entries if entry["variant"] == variant]
-        counts = [sum(row[key] for row in rows) for key in ("collisions", "entries")]
-        counts += [sum(row["judged"] - row["faithful"] for row in rows)]
-        counts += [sum(row[key] for row in rows) for key in ("frozen", "restless")]
-        index = min(row["min_safety_index_m"] for row in rows if row["min_safety_index_m"] is not None)
-        told = [variant, *map(str, counts), f"{index:.1f}", f"{mean(rows, 'mean_delay_s'):.1f}"]
-        told += [f"{mean(rows, 'mean_stand_on_delay_share'):.3%}", f"{mean(rows, 'mean_actions'):.2f}"]
+        rows = [{**row, "unfaithful": row["judged"] - row["faithful"]} for row in rows]
+        found[variant] = {
+            **{key: sum(row[key] for row in rows) for key in COUNTS},
+            "index": min(row["min_safety_index_m"] for row in rows if row["min_safety_index_m"] is not None),
+            "delay": mean(rows, "mean_delay_s"),
+            "stand_on": mean(rows, "mean_stand_on_delay_share"),
+            "actions": mean(rows, "mean_actions"),
+        }
+    return found
+
+
+def table(found: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """A line for each variant."""
+    lines = [f"| {' | '.join(HEAD)} |", "|" + " --- |" * len(HEAD)]
+    for variant, each in found.items():
+        told = [variant, *(f"{each[key]:.0f}" for key in COUNTS), f"{each['index']:.1f}"]
+        told += [f"{each['delay']:.1f}", f"{each['stand_on']:.3%}", f"{each['actions']:.2f}"]
         lines.append(f"| {' | '.join(told)} |")
     return lines
+
+
+def draw(found: Mapping[str, Mapping[str, float]], file: Path) -> None:
+    """Draw safety, faithfulness, delay and actions, a row for each variant; the default as a line."""
+    from matplotlib.figure import Figure
+
+    panels = (
+        ("index", "least safety index [m]"),
+        ("unfaithful", "encounters not faithful"),
+        ("delay", "mean delay of a ship [s]"),
+        ("actions", "actions of a ship"),
+    )
+    rows = [variant for variant in found if variant != "default"]
+    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
+    for axes, (key, title) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
+        axes.axvline(found["default"][key], color="#7A7A7A", linewidth=1.0)
+        for n, variant in enumerate(rows):
+            each = found[variant]
+            unsafe = each["entries"] > 0
+            axes.plot(each[key], n, "X" if unsafe else "o", color="#C8501E" if unsafe else "#3B6FB6")
+        dress(axes, title, "")
+        axes.margins(x=0.12)
+    axes.set_yticks(range(len(rows)), rows, fontsize=SMALL)
+    axes.invert_yaxis()
+    figure.suptitle(
+        "one parameter changed at a time; line: the default; crosses: safety areas entered", fontsize=NORMAL
+    )
+    figure.savefig(file, dpi=110)
 
 
 def mean(rows: list[dict[str, Any]], key: str) -> float:
@@ -95,6 +138,7 @@ def main() -> None:
     parser.add_argument("--ruleset", action="append", help="tran2026 unless given; may be given again")
     parser.add_argument("--executor", default="local", help="as of `ccas sweep`")
     parser.add_argument("--out", type=Path, default=Path("runs/weigh_roles"))
+    parser.add_argument("--picture", type=Path, help="draw the table into this file")
     given = parser.parse_args()
     sweep = study(given.count, given.seed, tuple(given.ruleset or ["tran2026"]))
     sweep = replace(sweep, executor=given.executor)
@@ -104,7 +148,10 @@ def main() -> None:
         if done % 50 == 0 or done == progress.total:
             print(f"{done} of {progress.total}", file=sys.stderr)
 
-    print("\n".join(table(cell_entries(run(sweep, given.out, program(), tell)))))
+    found = sums(cell_entries(run(sweep, given.out, program(), tell)))
+    print("\n".join(table(found)))
+    if given.picture:
+        draw(found, given.picture)
 
 
 if __name__ == "__main__":

@@ -414,7 +414,7 @@ class ShipAgent:
         self._last_controls = None if stopped else controls  # a ship that stopped starts anew from sailing on
         self._last_offset = float(controls[0, 0])
         if negotiation.stance is not None:
-            self._memory = negotiation.stance.memory
+            self._memory = negotiate.remembered(negotiation.stance, negotiation.plan)
         decision = Decision(
             offset=float(controls[0, 0]),
             speed_factor=float(controls[0, 1]),

@@ -169,6 +169,11 @@ def secured(negotiation: Negotiation, neighbours: Sequence[Neighbour], limits: F
     return replace(negotiation, plan=plan, iterate=replace(negotiation.iterate, local=plan.trajectory.poses))
 
 
+def remembered(stance: Stance, plan: LocalPlan) -> Memory:
+    """What a ship carries on that has taken a stance and decides on a plan."""
+    return replace(stance.memory, waited=stance.memory.waited + 1.0 - float(plan.controls[0, 1]))
+
+
 def sailing_on(negotiation: Negotiation) -> Negotiation:
     """Go on along the guiding line whatever the others do: a ship that breaks its duty."""
     situation = negotiation.situation

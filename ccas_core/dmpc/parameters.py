@@ -105,6 +105,7 @@ class Roles:
     visible_factor: float = 0.8  # greatest speed factor with which it begins to give way by speed
     swing: float = 0.15  # share of the length by which a ship needs more water than its beam to go aside
     reserve: float = 2  # periods that a ship that stands on keeps in hand before it acts
+    patience: float = 8  # periods lost after which a ship goes on as soon as its line clears by `clear_by`
     crossing: Weights = field(
         default_factory=lambda: Weights(K_y=5.0, K_s=5.0, mu_1=1.0)
     )  # in place of `Settings.weights`
@@ -211,6 +212,7 @@ PARAMETERS: Final[dict[str, Parameter]] = {
     "visible_offset": _role("visible_offset", "m", "least offset of a ship that gives way to one side"),
     "visible_factor": _role("visible_factor", "", "greatest speed factor of a ship that begins to slow down"),
     "reserve": _role("reserve", "", "periods that a ship that stands on keeps in hand"),
+    "patience": _role("patience", "", "periods lost after which a ship takes the first gap"),
     "T_1": Parameter("kinematics", "time_constant", "s", 1e-3, 1e6, "time constant of the course"),
     "chi_max": Parameter("kinematics", "course_limit", "rad", 1e-3, math.pi / 2, "greatest steering angle"),
     "K_e": Parameter("kinematics", "steering_gain", "1/m", 1e-9, 1e3, "gain of the line-of-sight steering"),

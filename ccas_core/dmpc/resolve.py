@@ -51,6 +51,7 @@ class Memory:
     acting: bool = False
     rested: int = 1000  # periods since it last acted
     relapses: int = 0  # how often it has acted again without having rested
+    waited: float = 0.0  # periods that it has lost by its speed since it rested
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,8 +128,23 @@ def must_slow(
     return each.crosses or bool(resolve.side and aside < roles.visible_offset)
 
 
-def relapses_of(memory: Memory) -> int:
-    """Count relapses of a ship that acts: after each it returns to its line with twice the gap only."""
-    if memory.acting:
-        return memory.relapses
-    return min(memory.relapses + 1, _RELAPSES) if memory.rested < _RESTED else 0
+def resumed(memory: Memory, resolves: Mapping[ShipId, Resolve], crossing: float) -> Memory:
+    """Memory of a ship that acts: after each relapse it returns to its line with twice the gap only."""
+    relapses, waited = memory.relapses, memory.waited
+    if not memory.acting and memory.rested >= _RESTED:
+        relapses, waited = 0, 0.0
+    elif not memory.acting:
+        relapses = min(relapses + 1, _RELAPSES)
+    return Memory(
+        resolves=resolves, crossing=crossing, acting=True, rested=0, relapses=relapses, waited=waited
+    )
+
+
+def gap_to_hold(memory: Memory, roles: Roles) -> float:
+    """Gap [m] that the line of a ship has to leave for it to hold.
+
+    A ship that has waited long takes the first gap, or ships that are careful of one another would all stop.
+    """
+    if memory.waited > roles.patience and memory.rested < _RESTED:
+        return roles.clear_by
+    return roles.resume_beyond * 2.0**memory.relapses if memory.acting else roles.act_within

@@ -26,14 +26,16 @@ from ..ships import Hull, ShipId
 from ..waterway import BANK_MARGIN
 from .clearance import bank_gaps, gaps
 from .local_problem import LocalPlan, LocalProblem
-from .manoeuvres import Manoeuvres, at_hand
+from .manoeuvres import DEAR, Manoeuvres, at_hand, both_at_hand, together
 from .parameters import Roles, Settings, blended
-from .resolve import Memory, Resolve, Seen, must_slow, relapses_of, relies, resolve_of, resolved
+from .resolve import Memory, Resolve, Seen, gap_to_hold, must_slow, relies, resolve_of, resolved, resumed
 from .trajectories import sailed
 
 _STEADY_OFFSET: Final = 0.05  # of a ship that holds [m]: solvers want some room between bounds
 _STEADY_FACTOR: Final = 1e-3
 _MUCH: Final = 2.0  # periods that another plan must save to be taken instead of the last
+_FAR_DEARER: Final = 10.0  # periods by which a start may cost more than the best
+_WATER: Final = DEAR  # what a metre of water is worth that is missing: a period
 _RETURNS: Final = (0.0, 0.5, 0.75, 0.875)  # shares of the present offset to which a ship returns at once
 _BETTER: Final = 1.0  # gap that a manoeuvre must gain over the solver's plan to replace it [m]
 
@@ -48,6 +50,7 @@ class Stance:
     gains: tuple[float, ...]  # factor of K_ca towards each neighbour
     starts: tuple[FloatArray, ...]  # controls, (N, 2) each
     anchor: FloatArray  # controls of the trajectory that the negotiation begins with
+    until: int  # period up to which `offset_limits` keep the ship aside
     memory: Memory
 
 
@@ -81,21 +84,15 @@ def take_stance(
     """
     known = {each.id for each in seen if each.bearing.role is not Role.NONE}
     resolves = {id_: resolve for id_, resolve in memory.resolves.items() if id_ in known}
+    enough = gap_to_hold(memory, roles)
     base = _base(problem, seen, resolves)
-    hold, held = _holding(hull, problem, room, base)
-    ahead = _each_gap(hull, held, seen)[0]  # (n, N)
-    least = ahead.min(axis=1, initial=math.inf)
-    for n, each in enumerate(seen):
-        if each.bearing.role is Role.BOTH and each.unmoved and resolve_of(each, resolves) == Resolve():
-            alone = gaps(hull, held, each.hull, each.unmoved.poses)
-            least[n] = min(least[n], float(alone.min()))  # both act, whatever the other has told
-    for n, each in enumerate(seen):
-        if each.id is not None and each.bearing.role is Role.STAND_ON and least[n] < roles.clear_by:
-            resolve = resolves.get(each.id, Resolve())
-            if not resolve.alarmed and _is_last_moment(hull, problem, room, base, each, ahead[n], roles):
-                resolves[each.id] = replace(resolve, alarmed=True)
-    enough = roles.resume_beyond * 2.0**memory.relapses if memory.acting else roles.act_within
-    concerned = [n for n, each in enumerate(seen) if not relies(each, resolves) and least[n] < enough]
+    held = _holding(hull, problem, room, base, seen, resolves)
+    resolves |= _alarmed(hull, problem, room, base, seen, resolves, held, roles)
+    concerned = _concerned(seen, resolves, held, enough)
+    if concerned and base:  # where it is, it cannot stay: what counts is its line
+        base = 0.0
+        held = _holding(hull, problem, room, base, seen, resolves)
+        concerned = _concerned(seen, resolves, held, enough)
     committed = [
         n
         for n, each in enumerate(seen)
@@ -103,14 +100,16 @@ def take_stance(
     ]
     if not concerned and not committed:
         idle = replace(memory, resolves=resolves, acting=False, rested=memory.rested + 1)
-        return _hold(problem, hold, len(seen), idle)
-    until = _until(ahead[[*concerned, *committed]], enough)
-    hand = at_hand(problem, base, until)
-    worst = _least_gap(hull, hand.paths, seen, room)
+        return _hold(problem, held.controls, len(seen), idle)
+    until = _until(held.ahead[[*concerned, *committed]], enough)
+    hand, worst = _ways_out(hull, problem, room, base, until, seen, roles.clear_by)
     for n in concerned:
         resolves = resolved(seen[n], resolves, hand, worst, roles)
     active = [seen[n] for n in (*concerned, *committed)]
     offset_limits, speed_limits = _limits(problem, active, resolves, until, roles)
+    if _is_packed_in(hand, worst, offset_limits, speed_limits, roles):
+        unseen = replace(roles, visible_offset=0.0, visible_factor=1.0)
+        offset_limits, speed_limits = _limits(problem, active, resolves, until, unseen)
     for n in concerned:
         id_ = seen[n].id
         if id_ is not None and must_slow(problem, seen[n], active, resolves, roles):
@@ -124,13 +123,8 @@ def take_stance(
         gains=tuple(_gain(each, resolves, roles) for each in seen),
         starts=(starts := _starts(hull, limited, room, last, seen, hand, worst, roles)),
         anchor=starts[0],
-        memory=Memory(
-            resolves=resolves,
-            crossing=crossing,
-            acting=True,
-            rested=0,
-            relapses=relapses_of(memory),
-        ),
+        until=until,
+        memory=resumed(memory, resolves, crossing),
     )
 
 
@@ -154,15 +148,36 @@ def safest(
     gap = float(_least_gap(hull, plan.trajectory.poses[None], seen, room)[0])
     if gap >= enough:
         return None
-    hand = at_hand(problem, 0.0, _until(ahead, enough))
-    worst = _least_gap(hull, hand.paths, seen, room)
+    until = max(stance.until, _until(ahead, enough))
+    hand, worst = _ways_out(hull, problem, room, 0.0, until, seen, enough)
     allowed = _within(hand, stance.offset_limits, stance.speed_limits)
     best = _gentlest(hand, worst, allowed, enough)
     if best is None or worst[best] < enough:
         best = _gentlest(hand, worst, np.ones_like(allowed), enough)
-    if best is None or worst[best] < min(gap + _BETTER, enough):
+    if best is None:
+        return None
+    saved = _cost(plan.controls, gap, enough) - _cost(hand.controls[best], worst[best], enough)
+    if worst[best] < min(gap + _BETTER, enough) and saved < DEAR:
         return None
     return LocalPlan(controls=hand.controls[best], trajectory=PathTrajectory(hand.paths[best]))
+
+
+def _ways_out(
+    hull: Hull,
+    problem: LocalProblem,
+    room: FloatArray,
+    base: float,
+    until: int,
+    seen: Sequence[Seen],
+    enough: float,
+) -> tuple[Manoeuvres, FloatArray]:
+    """Manoeuvres at hand, also by course and speed together if none else clears; their least gaps [m]."""
+    hand = at_hand(problem, base, until)
+    worst = _least_gap(hull, hand.paths, seen, room)
+    if np.any(worst >= enough):
+        return hand, worst
+    more = both_at_hand(problem, until)
+    return together(hand, more), np.append(worst, _least_gap(hull, more.paths, seen, room))
 
 
 def _each_gap(hull: Hull, plans: FloatArray, seen: Sequence[Seen]) -> FloatArray:
@@ -188,19 +203,46 @@ def _steady(problem: LocalProblem, base: float) -> FloatArray:
     return np.column_stack([offset, np.ones(len(offset))])
 
 
-def _holding(
-    hull: Hull, problem: LocalProblem, room: FloatArray, base: float
-) -> tuple[FloatArray, FloatArray]:
-    """Controls of a ship that holds, and their path (1, N + 1, 3).
+@dataclass(frozen=True, slots=True, eq=False)
+class _Held:
+    """What comes of holding."""
 
-    Near a bank it returns to its line by steps, for its stern swings out.
+    controls: FloatArray  # (N, 2)
+    ahead: FloatArray  # gap to each neighbour in each step, (n, N) [m]
+    least: FloatArray  # least gap to each, (n,) [m]
+
+
+def _holding(
+    hull: Hull,
+    problem: LocalProblem,
+    room: FloatArray,
+    base: float,
+    seen: Sequence[Seen],
+    resolves: Mapping[ShipId, Resolve],
+) -> _Held:
+    """Hold at an offset.
+
+    Near a bank a ship returns to its line by steps, for its stern swings out.
     """
     for share in _RETURNS:
         plan = _steady(problem, base + share * (problem.last_offset - base))
         path = sailed(problem, plan[None])
         if bank_gaps(hull, path, room).min() >= -BANK_MARGIN / 2.0:
             break
-    return plan, path
+    ahead = _each_gap(hull, path, seen)[0]
+    least = ahead.min(axis=1, initial=math.inf)
+    for n, each in enumerate(seen):
+        if each.bearing.role is Role.BOTH and each.unmoved and resolve_of(each, resolves) == Resolve():
+            alone = gaps(hull, path, each.hull, each.unmoved.poses)
+            least[n] = min(least[n], float(alone.min()))  # both act, whatever the other has told
+    return _Held(plan, ahead, least)
+
+
+def _concerned(
+    seen: Sequence[Seen], resolves: Mapping[ShipId, Resolve], held: _Held, enough: float
+) -> list[int]:
+    """Neighbours for which a ship has to act: holding, it comes too near, and it does not rely on them."""
+    return [n for n, each in enumerate(seen) if not relies(each, resolves) and held.least[n] < enough]
 
 
 def _hold(problem: LocalProblem, hold: FloatArray, count: int, memory: Memory) -> Stance:
@@ -213,8 +255,30 @@ def _hold(problem: LocalProblem, hold: FloatArray, count: int, memory: Memory) -
         gains=(0.0,) * count,
         starts=(hold,),
         anchor=hold,
+        until=0,
         memory=memory,
     )
+
+
+def _alarmed(
+    hull: Hull,
+    problem: LocalProblem,
+    room: FloatArray,
+    base: float,
+    seen: Sequence[Seen],
+    resolves: Mapping[ShipId, Resolve],
+    held: _Held,
+    roles: Roles,
+) -> dict[ShipId, Resolve]:
+    """Resolves towards ships on which one can rely no more."""
+    found = {}
+    for each, ahead, least in zip(seen, held.ahead, held.least, strict=True):
+        resolve = resolve_of(each, resolves)
+        if each.id is None or not relies(each, resolves) or least >= roles.clear_by:
+            continue
+        if _is_last_moment(hull, problem, room, base, each, ahead, roles):
+            found[each.id] = replace(resolve, alarmed=True)
+    return found
 
 
 def _is_last_moment(
@@ -254,6 +318,14 @@ def _limits(
     if any(must_slow(problem, each, active, resolves, roles) for each in active):
         speed[0, 1] = roles.visible_factor
     return offset, speed
+
+
+def _is_packed_in(
+    hand: Manoeuvres, worst: FloatArray, offset_limits: FloatArray, speed_limits: FloatArray, roles: Roles
+) -> bool:
+    """Whether an action that is visible leads too near to others, though one that is not would not."""
+    clear = worst >= roles.clear_by
+    return bool(clear.any()) and not np.any(clear & _within(hand, offset_limits, speed_limits))
 
 
 def _share(memory: Memory, concerned: Sequence[Seen]) -> float:
@@ -305,13 +377,18 @@ def _starts(
         for kind in (hand.side != 0.0, hand.side == 0.0)
         if (best := _gentlest(hand, worst, kind & allowed, roles.resume_beyond)) is not None
     ]
-    found.sort(key=lambda best: -min(float(worst[best]), roles.clear_by))
-    starts = [np.clip(hand.controls[best], low, high) for best in found]
+    costs = {best: _cost(hand.controls[best], worst[best], roles.clear_by) for best in found}
+    found.sort(key=costs.__getitem__)
+    least = min(costs.values(), default=math.inf)
+    starts = [
+        np.clip(hand.controls[best], low, high) for best in found if costs[best] <= least + _FAR_DEARER * DEAR
+    ]
     if last is not None:
         kept = np.clip(last, low, high)
-        if _least_gap(hull, sailed(problem, kept[None]), seen, room)[0] < roles.clear_by:
+        gap = float(_least_gap(hull, sailed(problem, kept[None]), seen, room)[0])
+        if gap < roles.clear_by:
             starts.append(kept)
-        elif not (found and worst[found[0]] >= roles.clear_by and _lost(starts[0]) + _MUCH < _lost(kept)):
+        elif least + _MUCH * DEAR >= _cost(kept, gap, roles.clear_by):
             return (kept,)
     return tuple(starts) or (np.clip(_steady(problem, 0.0), low, high),)
 
@@ -329,9 +406,24 @@ def _lost(controls: FloatArray) -> float:
 
 
 def _gentlest(hand: Manoeuvres, worst: FloatArray, among: NDArray[np.bool_], enough: float) -> int | None:
-    """Smallest manoeuvre that clears by `enough`, or the one that clears best."""
+    """The manoeuvre that costs least, with the water that is missing to `enough`; None if there is none.
+
+    One that leads into a safety area or onto a bank is taken only if all do: that which does so least.
+    """
     rows = np.flatnonzero(among)
     if not len(rows):
         return None
-    clear = rows[worst[rows] >= enough]
-    return int(clear[np.argmin(hand.size[clear])]) if len(clear) else int(rows[np.argmax(worst[rows])])
+    clear = rows[worst[rows] >= 0.0]
+    if not len(clear):
+        return int(rows[np.argmax(worst[rows])])
+    return int(clear[np.argmin(hand.size[clear] + _missing(worst[clear], enough))])
+
+
+def _cost(controls: FloatArray, gap: float, enough: float) -> float:
+    """What a plan costs: its greatest offset, the time that it loses, and the water that is missing [m]."""
+    return float(np.abs(controls[:, 0]).max() + DEAR * _lost(controls) + _missing(gap, enough))
+
+
+def _missing(gap: FloatArray | float, enough: float) -> FloatArray:
+    """What it costs that a gap [m] is not enough; more than any manoeuvre if it is negative."""
+    return np.where(np.asarray(gap) >= 0.0, _WATER * np.maximum(enough - np.asarray(gap), 0.0), 1e6)

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ccas_core.dmpc.local_problem import LocalProblem, free_speeds
+from ccas_core.dmpc.local_problem import LocalPlan, LocalProblem, free_speeds
+from ccas_core.dmpc.negotiate import remembered
 from ccas_core.dmpc.parameters import FAITHFUL, Roles
 from ccas_core.dmpc.resolve import Memory, Resolve, Seen
-from ccas_core.dmpc.stance import Stance, take_stance
+from ccas_core.dmpc.stance import Stance, safest, take_stance
+from ccas_core.dmpc.trajectories import rollout
 from ccas_core.frames import FloatArray, PathPose, PathTrajectory
 from ccas_core.priority import Bearing
 from ccas_core.roles import Geometry, PassingSide, Role
@@ -170,6 +172,24 @@ def test_a_ship_that_acts_again_soon_returns_with_twice_the_gap_only() -> None:
     assert stance(clear, Memory(acting=True, rested=0, relapses=2)).memory.acting
 
 
+def test_a_ship_that_has_waited_long_takes_the_first_gap() -> None:
+    clear = met(Role.GIVE_WAY, Geometry.CROSSING, sails(1200.0, -1000.0, math.pi / 2.0))  # by 100 m
+    careful = Memory(acting=True, rested=0, relapses=3)
+
+    assert stance(clear, careful).memory.acting
+    assert not stance(clear, replace(careful, waited=ROLES.patience + 1.0)).memory.acting
+
+
+def test_a_ship_remembers_how_long_it_has_waited_until_it_has_rested() -> None:
+    seen = met(Role.GIVE_WAY, Geometry.CROSSING, ACROSS)
+    found = stance(seen, Memory(acting=True, rested=0, waited=2.0))
+
+    after = remembered(found, plan(np.tile([0.0, 0.25], (HORIZON, 1))))
+
+    assert after.waited == 2.75
+    assert stance(seen, replace(after, acting=False, rested=50)).memory.waited == 0.0
+
+
 def test_a_ship_without_room_to_go_aside_shows_by_its_speed_that_it_gives_way() -> None:
     found = stance(met(Role.GIVE_WAY, Geometry.HEAD_ON, AHEAD, PassingSide.PORT_TO_PORT), room=8.0)
 
@@ -228,3 +248,99 @@ def test_risk_towards_a_ship_on_which_one_relies_weighs_little() -> None:
 
     assert found.gains == (ROLES.give_way, ROLES.stand_on)
     assert found.settings.weights.mu_2 == ROLES.steadiness * FAITHFUL.weights.mu_2
+
+
+def abeam(id_: str, y: float, speed: float = 2.5) -> Seen:
+    """A slower ship ahead, on a line of its own, to which the own ship gives way."""
+    bearing = Bearing(role=Role.GIVE_WAY, passing_side=None, geometry=Geometry.OVERTAKING)
+    return Seen(ShipId(id_), HULL, sails(300.0, y, 0.0, speed=speed), bearing)
+
+
+def test_a_ship_between_two_others_goes_on_where_going_aside_would_lead_nearer_to_one() -> None:
+    between = [abeam("port", -21.0), abeam("starboard", 21.0)]  # by 10 m; aside by 12 m, nearer than 0 m
+
+    found = take_stance(HULL, problem(room=20.0), ROOM, None, between, Memory(), ROLES)
+    sailed = plan(np.tile([12.0, 1.0], (HORIZON, 1)), room=20.0)
+    secured = safest(HULL, problem(room=20.0), ROOM, sailed, between, found, ROLES.clear_by)
+
+    assert found.offset_limits[0, 0] <= 0.0 <= found.offset_limits[0, 1]  # nothing has to be visible
+    assert found.speed_limits[0, 1] == 1.0
+    assert secured is not None
+    assert np.all(secured.controls == [0.0, 1.0])
+
+
+def plan(controls: FloatArray, last_offset: float = 0.0, room: float = 60.0) -> LocalPlan:
+    return rollout(problem(last_offset, room), controls)
+
+
+def test_a_ship_that_is_aside_for_one_stays_there_when_it_has_to_stop_for_another() -> None:
+    """If it turned back to its line as it stops, its bow would come too near to the one that it meets."""
+    ahead = met(Role.GIVE_WAY, Geometry.HEAD_ON, sails(900.0, 2.0, math.pi))
+    third = met(Role.GIVE_WAY, Geometry.CROSSING, sails(330.0, -330.0, math.pi / 2.0))
+    seen = [ahead, replace(third, id=ShipId("third"))]
+    aside = replace(problem(last_offset=-20.0), offset_limits=np.tile([-25.0, 5.0], (HORIZON, 1)))
+    on = rollout(aside, np.tile([-20.0, 1.0], (HORIZON, 1)))
+    memory = Memory(resolves={OTHER: Resolve(side=-1)}, acting=True)
+    found = take_stance(HULL, aside, ROOM, None, seen, memory, ROLES)
+
+    secured = safest(HULL, aside, ROOM, on, seen, found, ROLES.clear_by)
+
+    assert secured is not None
+    assert secured.controls[0, 0] <= -16.0
+    assert secured.controls[0, 1] < 1.0
+
+
+def test_a_ship_that_stands_on_to_one_and_is_aside_for_another_keeps_its_side() -> None:
+    """Where it is it could not stay for good: its line says for whom it acts, not its present offset."""
+    relied = met(Role.STAND_ON, Geometry.HEAD_ON, sails(4000.0, 90.0, math.pi))
+    seen = [relied, abeam("overtaken", -8.0), abeam("farther", 40.0)]
+    memory = Memory(resolves={ShipId("overtaken"): Resolve(side=1)}, acting=True)
+
+    found = take_stance(HULL, problem(last_offset=22.0), ROOM, None, seen, memory, ROLES)
+
+    assert found.memory.resolves == memory.resolves
+    assert found.offset_limits[0, 0] >= 0.0
+    assert found.starts[0][0, 0] > 0.0
+
+
+def test_a_ship_does_not_stop_for_good_for_a_metre_of_water() -> None:
+    """Between two lines of ships that meet it, 4 m from the safety areas of both."""
+    bearing = Bearing(role=Role.GIVE_WAY, passing_side=None, geometry=Geometry.HEAD_ON)
+    lanes = [Seen(ShipId(f"at {y}"), HULL, sails(2690.0, y, math.pi), bearing) for y in (-3.5, 29.0)]
+
+    beside_bank = replace(problem(), offset_limits=np.tile([-3.0, 20.0], (HORIZON, 1)))
+
+    found = take_stance(HULL, beside_bank, ROOM, None, lanes, Memory(), ROLES)
+
+    assert all(np.all(start[:, 1] == 1.0) for start in found.starts)
+    assert found.starts[0][0, 0] == 12.0
+
+
+def test_a_plan_that_waits_for_nothing_gives_way_to_one_that_goes_on() -> None:
+    """Nothing clears an overtaken ship by more than 3 m: stops and starts would not, either."""
+    seen = [abeam("overtaken", -14.0)]
+    beside = replace(problem(last_offset=0.0, room=0.3), initial=PathPose(300.0, 0.0, 0.0))
+    found = take_stance(HULL, beside, ROOM, None, seen, Memory(), ROLES)
+    stops = np.tile([0.0, 1.0], (HORIZON, 1))
+    stops[::4, 1] = 0.7
+
+    secured = safest(HULL, beside, ROOM, rollout(beside, stops), seen, found, ROLES.clear_by)
+
+    assert secured is not None
+    assert np.all(secured.controls[:, 1] == 1.0)
+
+
+def test_a_manoeuvre_taken_in_the_end_stays_aside_as_long_as_the_stance_asks() -> None:
+    """For one that it would pass by 13 m as well, which alone would not make it take another plan."""
+    later = met(Role.GIVE_WAY, Geometry.HEAD_ON, sails(4000.0, -24.0, math.pi), PassingSide.PORT_TO_PORT)
+    seen = [
+        met(Role.GIVE_WAY, Geometry.HEAD_ON, AHEAD, PassingSide.PORT_TO_PORT),
+        replace(later, id=ShipId("later")),
+    ]
+    found = take_stance(HULL, problem(), ROOM, None, seen, Memory(), ROLES)
+    across = plan(np.tile([0.0, 1.0], (HORIZON, 1)))
+
+    secured = safest(HULL, problem(), ROOM, across, seen, found, ROLES.clear_by)
+
+    assert secured is not None
+    assert np.all(secured.controls[:, 0] >= found.offset_limits[:, 0])
